@@ -9,7 +9,7 @@ use shared::io::{ADC_FULL_SCALE, AdcCode, Channel, DacCode, Frame, Output};
 use shared::model::drive::{Drive, Stamp};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
-use shared::model::step::{Corrected, State};
+use shared::model::step::{Corrected, HammerState};
 use shared::model::twin::Twin;
 use shared::settings::{DriveKind, Settings, TICK_RATE_HZ, TICK_S};
 
@@ -143,7 +143,7 @@ impl Bench {
         debug_assert!(old.is_some() || drive.now() == Stamp::default());
         let state = match &self.twin {
             Some(twin) => *twin.state(),
-            None => State::at_rest(&rig),
+            None => HammerState::at_rest(&rig),
         };
         self.twin = Some(Twin::new(rig, drive, Corrected, state));
     }

@@ -28,7 +28,7 @@ pub struct Inputs {
 
 /// The inputs held against the enable.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Interlock {
+pub struct InterlockInputs {
     enabled: bool,
     /// Blocks since the enable last changed.
     since: u16,
@@ -36,7 +36,7 @@ pub struct Interlock {
     against: u16,
 }
 
-impl Interlock {
+impl InterlockInputs {
     /// Once per block: whether the inputs contradict the enable; `wired`: which of them the rig has.
     #[inline]
     pub fn contradicts(&mut self, enabled: bool, inputs: Inputs, wired: Wired) -> bool {
@@ -65,14 +65,14 @@ mod tests {
     };
 
     /// Blocks until the inputs contradict, if they do within two seconds.
-    fn found(interlock: &mut Interlock, on: bool, dropped: bool, ready: bool) -> Option<u32> {
+    fn found(interlock: &mut InterlockInputs, on: bool, dropped: bool, ready: bool) -> Option<u32> {
         let inputs = Inputs { dropped, ready };
         (1..4_000).find(|_| interlock.contradicts(on, inputs, BOTH))
     }
 
     #[test]
     fn a_relay_that_does_not_follow_is_found_within_110_ms_either_way() {
-        let mut interlock = Interlock::default();
+        let mut interlock = InterlockInputs::default();
         assert_eq!(found(&mut interlock, false, true, false), None);
         // On, and the relay does not pull in.
         assert_eq!(found(&mut interlock, true, true, true), Some(220));
@@ -84,9 +84,12 @@ mod tests {
 
     #[test]
     fn a_power_stage_has_a_second_to_become_ready() {
-        let mut interlock = Interlock::default();
+        let mut interlock = InterlockInputs::default();
         assert_eq!(found(&mut interlock, true, false, false), Some(2_020));
-        assert_eq!(found(&mut Interlock::default(), true, false, true), None);
+        assert_eq!(
+            found(&mut InterlockInputs::default(), true, false, true),
+            None
+        );
         // It bounces for less than 10 ms.
         let ready = |ready| Inputs {
             dropped: false,
@@ -105,7 +108,7 @@ mod tests {
             dropped: false,
             ready: false,
         };
-        let mut interlock = Interlock::default();
+        let mut interlock = InterlockInputs::default();
         let wired = Wired::default();
         let silent = |on| !interlock.contradicts(on, open, wired);
         assert!((0..6_000).map(|i| i >= 3_000).all(silent));

@@ -22,7 +22,7 @@ const PAUSE: u32 = 2 * RATE_HZ;
 
 /// What the LED shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shown {
+pub struct LedShown {
     /// What the controller is doing.
     pub state: State,
     /// The fault's number.
@@ -34,13 +34,13 @@ pub struct Shown {
 /// The LED's pattern.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LedPattern {
-    shown: Shown,
+    shown: LedShown,
     step: u32,
 }
 
 impl LedPattern {
     /// Whether the LED is lit in the next hundredth of a second. A new state starts its pattern from the beginning.
-    pub fn step(&mut self, shown: Shown) -> bool {
+    pub fn step(&mut self, shown: LedShown) -> bool {
         if shown != self.shown {
             *self = Self { shown, step: 0 };
         }
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     /// Times the LED comes on in `seconds`.
-    fn flashes(shown: Shown, seconds: u32) -> usize {
+    fn flashes(shown: LedShown, seconds: u32) -> usize {
         let mut pattern = LedPattern::default();
         let lit: [bool; 3000] = core::array::from_fn(|_| pattern.step(shown));
         let end = (seconds * RATE_HZ) as usize;
@@ -81,10 +81,10 @@ mod tests {
         begins + lit[..end].windows(2).filter(|w| !w[0] && w[1]).count()
     }
 
-    fn in_state(state: State) -> Shown {
-        Shown {
+    fn in_state(state: State) -> LedShown {
+        LedShown {
             state,
-            ..Shown::default()
+            ..LedShown::default()
         }
     }
 
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn a_faults_number_can_be_counted() {
         for fault in [1, 7, 16] {
-            let shown = Shown {
+            let shown = LedShown {
                 fault,
                 ..in_state(State::Fault)
             };

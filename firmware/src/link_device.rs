@@ -3,15 +3,16 @@
 
 use rtic::Mutex;
 use shared::control::{Command, Refused, Status};
-use shared::fault::Record;
+use shared::fault::FaultRecord;
 use shared::forecast::Forecast;
 use shared::link::{
-    Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    Boot, Device, ForecastPage, Hello, Identified, LinkName, PROTOCOL_VERSION, RecordedBlock,
+    Refusal,
 };
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use crate::BLOCK_TICKS;
-use crate::recorder::Recorder;
+use crate::recorder::ControlRecorder;
 
 /// Storage of settings that outlives a reset.
 pub trait SettingsStore {
@@ -38,12 +39,12 @@ pub struct BoardLink<'a, D, F, K> {
 
 impl<D, F, K> Device for BoardLink<'_, D, F, K>
 where
-    D: Mutex<T = Recorder>,
+    D: Mutex<T = ControlRecorder>,
     F: Mutex<T = Forecast>,
     K: SettingsStore,
 {
     fn hello(&mut self) -> Hello {
-        let name = |text| Name::try_from(text).unwrap_or_default();
+        let name = |text| LinkName::try_from(text).unwrap_or_default();
         Hello {
             protocol: PROTOCOL_VERSION,
             firmware: name(env!("CARGO_PKG_VERSION")),
@@ -94,7 +95,7 @@ where
             .lock(|forecast| ForecastPage::of(Some(&*forecast), page))
     }
 
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         self.status().fault
     }
 
@@ -109,7 +110,7 @@ where
     }
 
     fn take_block(&mut self) -> Option<RecordedBlock> {
-        self.recorder.lock(Recorder::take_block)
+        self.recorder.lock(ControlRecorder::take_block)
     }
 
     fn boot(&mut self) -> Boot {

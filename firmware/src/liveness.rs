@@ -16,7 +16,7 @@ pub struct Liveness {
 
 /// Counts since the start (they wrap).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Progress {
+pub struct TurnCounts {
     /// Blocks served by the control task.
     pub blocks: u32,
     /// Turns of the link task.
@@ -30,7 +30,7 @@ pub struct Progress {
 impl Liveness {
     /// Call every 10 ms. Whether control, link and guard have run since the last step, and idle within the last half
     /// second.
-    pub fn step(&mut self, done: Progress) -> bool {
+    pub fn step(&mut self, done: TurnCounts) -> bool {
         let control = done.blocks != self.blocks;
         let link = done.links != self.links;
         let guard = done.looks != self.looks;
@@ -49,8 +49,8 @@ impl Liveness {
 mod tests {
     use super::*;
 
-    fn going(step: u32) -> Progress {
-        Progress {
+    fn going(step: u32) -> TurnCounts {
+        TurnCounts {
             blocks: 20 * step,
             links: 10 * step,
             looks: 10 * step,
@@ -66,10 +66,10 @@ mod tests {
 
     #[test]
     fn any_stopped_task_starves_it() {
-        let stopped: [fn(Progress) -> Progress; 3] = [
-            |done| Progress { blocks: 0, ..done },
-            |done| Progress { links: 0, ..done },
-            |done| Progress { looks: 0, ..done },
+        let stopped: [fn(TurnCounts) -> TurnCounts; 3] = [
+            |done| TurnCounts { blocks: 0, ..done },
+            |done| TurnCounts { links: 0, ..done },
+            |done| TurnCounts { looks: 0, ..done },
         ];
         for stop in stopped {
             let mut liveness = Liveness::default();
@@ -78,7 +78,7 @@ mod tests {
         let mut liveness = Liveness::default();
         let fed = (1..100)
             .take_while(|step| {
-                liveness.step(Progress {
+                liveness.step(TurnCounts {
                     idles: 0,
                     ..going(*step)
                 })

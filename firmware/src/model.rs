@@ -2,7 +2,7 @@
 
 use shared::model::drive::{Drive, DriveError};
 use shared::model::params::{ParamError, RigParams, WIRES};
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 use shared::model::step::Corrected;
 use shared::model::twin::Twin;
 use shared::settings::TICK_S;
@@ -16,7 +16,7 @@ pub const FREQUENCY_RATIO: f64 = 2.0;
 
 /// Why there is no model to run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refused {
+pub enum NoModel {
     /// A parameter of the rig is out of range.
     Rig(ParamError),
     /// The drive frequency is out of range.
@@ -25,17 +25,17 @@ pub enum Refused {
 
 /// The model under a drive.
 #[derive(Clone, Copy, Debug)]
-pub struct Model(Twin<f32, Corrected>);
+pub struct DrivenModel(Twin<f32, Corrected>);
 
-impl Model {
+impl DrivenModel {
     /// [`RIG`] at rest under a drive of [`FREQUENCY_RATIO`].
     ///
     /// # Errors
     /// If the rig or the drive is out of range.
-    pub fn new() -> Result<Self, Refused> {
-        let rig = Rig::new(&RIG).map_err(Refused::Rig)?;
+    pub fn new() -> Result<Self, NoModel> {
+        let rig = Rig::new(&RIG).map_err(NoModel::Rig)?;
         let frequency_hz = FREQUENCY_RATIO * RIG.natural_frequency_hz();
-        let drive = Drive::new(frequency_hz, TICK_S).map_err(Refused::Drive)?;
+        let drive = Drive::new(frequency_hz, TICK_S).map_err(NoModel::Drive)?;
         Ok(Self(Twin::at_rest(rig, drive, Corrected)))
     }
 
@@ -49,6 +49,6 @@ impl Model {
 
     /// Whether the hammer touches the surface.
     pub fn in_contact(&self) -> bool {
-        self.0.state().mode == Mode::Contact
+        self.0.state().mode == SwitchMode::Contact
     }
 }

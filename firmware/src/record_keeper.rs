@@ -1,23 +1,27 @@
 //! The fault's record goes to memory that survives a reset in the block that trips.
 
-use shared::fault::Record;
+use shared::fault::FaultRecord;
 
 /// Notices that the record has changed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RecordKeeper {
-    kept: Option<Record>,
+    kept: Option<FaultRecord>,
 }
 
 impl RecordKeeper {
     /// A keeper for memory that holds `kept`.
-    pub fn new(kept: Option<Record>) -> Self {
+    pub fn new(kept: Option<FaultRecord>) -> Self {
         Self { kept }
     }
 
     /// To be called after each block, with the drive off if the block has tripped: has `keep` write the record if it is
     /// another than was written last.
     #[inline]
-    pub fn after_block(&mut self, record: Option<&Record>, keep: impl FnOnce(Option<&Record>)) {
+    pub fn after_block(
+        &mut self,
+        record: Option<&FaultRecord>,
+        keep: impl FnOnce(Option<&FaultRecord>),
+    ) {
         if self.kept.as_ref() != record {
             keep(record);
             self.kept = record.copied();
@@ -29,7 +33,7 @@ impl RecordKeeper {
 mod tests {
     use super::*;
     use crate::BLOCK_TICKS;
-    use crate::recorder::Recorder;
+    use crate::recorder::ControlRecorder;
     use shared::control::{BootInfo, Command, Controller, State};
     use shared::fault::{Fault, Persisted};
     use shared::io::{AdcCode, Frame, Output};
@@ -38,7 +42,7 @@ mod tests {
 
     /// The board's memory that survives, and what is sampled.
     struct Board {
-        recorder: Recorder,
+        recorder: ControlRecorder,
         keeper: RecordKeeper,
         memory: Persisted,
         writes: u32,
@@ -52,7 +56,7 @@ mod tests {
             };
             let controller = Controller::new(&Settings::for_rig(&WIRES), &boot).unwrap();
             Self {
-                recorder: Recorder::new(controller),
+                recorder: ControlRecorder::new(controller),
                 keeper: RecordKeeper::new(memory.record()),
                 memory,
                 writes: 0,

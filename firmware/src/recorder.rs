@@ -14,7 +14,7 @@ const CAPACITY: usize = 4;
 
 /// The controller and the recording.
 #[derive(Debug)]
-pub struct Recorder {
+pub struct ControlRecorder {
     controller: Controller,
     /// Of the settings, as they were taken.
     settings_sum: Option<u32>,
@@ -24,7 +24,7 @@ pub struct Recorder {
     blocks: Deque<RecordedBlock, CAPACITY>,
 }
 
-impl Recorder {
+impl ControlRecorder {
     /// A controller whose recording is off.
     pub fn new(controller: Controller) -> Self {
         Self {
@@ -143,9 +143,9 @@ mod tests {
     use shared::io::AdcCode;
     use shared::model::params::WIRES;
 
-    fn recorder() -> Recorder {
+    fn recorder() -> ControlRecorder {
         let settings = Settings::for_rig(&WIRES);
-        Recorder::new(Controller::new(&settings, &BootInfo::STORED).unwrap())
+        ControlRecorder::new(Controller::new(&settings, &BootInfo::STORED).unwrap())
     }
 
     #[test]

@@ -20,11 +20,11 @@ pub fn is_good(calibration: u16, code: u16) -> bool {
 
 /// The readings of a run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Watch {
+pub struct RunReadings {
     bad: u8,
 }
 
-impl Watch {
+impl RunReadings {
     /// Takes a reading; whether the reference is lost.
     pub fn is_lost(&mut self, calibration: u16, code: u16) -> bool {
         self.bad = if is_good(calibration, code) {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn one_bad_reading_loses_nothing_and_three_in_a_row_do() {
-        let mut watch = Watch::default();
+        let mut watch = RunReadings::default();
         let readings = [1400, 1400, 1502, 1400, 1400, 1400];
         let lost = readings.map(|code| watch.is_lost(1502, code));
         assert_eq!(lost, [false, false, false, false, false, true]);

@@ -8,7 +8,7 @@ use emulator::local::Local;
 use emulator::plant::Plant;
 use emulator::run::run;
 use emulator::scenario::{Scenario, load, parse};
-use emulator::sensors::{Errors, SensorParams, Sensors};
+use emulator::sensors::{SensorErrors, SensorParams, Sensors};
 use emulator::shaker::{ShakerParams, Smoother};
 use shared::model::params::{RigParams, preset};
 use shared::settings::{Settings, TICK_S};
@@ -67,9 +67,9 @@ fn plant_ticks(bencher: Bencher, name: &str) {
 #[divan::bench(args = ["wires", "beam-150"])]
 fn plant_and_sensor_ticks(bencher: Bencher, name: &str) {
     let mut running = Running::new(name);
-    let noisy = Errors {
+    let noisy = SensorErrors {
         noise: 1e-5,
-        ..Errors::default()
+        ..SensorErrors::default()
     };
     let params = SensorParams {
         force: noisy,

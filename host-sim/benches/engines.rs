@@ -5,10 +5,10 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use host_sim::progress::Progress;
-use numerics::Limits;
+use host_sim::progress::ProgressLine;
 use numerics::NamedRig;
-use numerics::engine::{Engine, Machine, Plan, Recorder, Start, machine, observe};
+use numerics::PickLimits;
+use numerics::engine::{CycleRecorder, Engine, Machine, Plan, Start, machine, observe};
 use numerics::orbit::shoot;
 use numerics::pick::pick;
 use shared::Real;
@@ -85,7 +85,8 @@ fn one_shoot(bencher: Bencher) {
         cycles: 60,
         transient: 59,
     };
-    let settled = observe(hammer.as_mut(), plan, &mut Recorder::default()).expect("within reach");
+    let settled =
+        observe(hammer.as_mut(), plan, &mut CycleRecorder::default()).expect("within reach");
     let near = settled.section[0].map(|x| x * 1.01);
     bencher.bench_local(|| {
         shoot(black_box(&RIG), frequency_hz(), black_box(near)).expect("an orbit near by")
@@ -96,7 +97,7 @@ fn one_shoot(bencher: Bencher) {
 fn one_nominal_pick(bencher: Bencher) {
     let rig = NamedRig::new("wires", RIG);
     bencher.bench_local(|| {
-        let progress = Progress::new("", 1, true);
-        pick(black_box(&rig), None, Limits::default(), &progress).expect("a stable 1/1")
+        let progress = ProgressLine::new("", 1, true);
+        pick(black_box(&rig), None, PickLimits::default(), &progress).expect("a stable 1/1")
     });
 }

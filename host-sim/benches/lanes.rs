@@ -3,7 +3,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use numerics::engine::{Engine, Setting};
-use numerics::lanes::{Cell, CellPlan, Instructions, Options, Precision, run_one, run_with};
+use numerics::lanes::{Cell, CellPlan, Instructions, LanePrecision, Options, run_one, run_with};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
@@ -38,17 +38,17 @@ fn main() {
 
 #[divan::bench(
     args = [
-        (Precision::Single, Instructions::Widest),
-        (Precision::Single, Instructions::Avx2),
-        (Precision::Single, Instructions::Scalar),
-        (Precision::Double, Instructions::Widest),
-        (Precision::Double, Instructions::Avx2),
-        (Precision::Double, Instructions::Scalar),
+        (LanePrecision::Single, Instructions::Widest),
+        (LanePrecision::Single, Instructions::Avx2),
+        (LanePrecision::Single, Instructions::Scalar),
+        (LanePrecision::Double, Instructions::Widest),
+        (LanePrecision::Double, Instructions::Avx2),
+        (LanePrecision::Double, Instructions::Scalar),
     ],
     sample_count = 3,
     sample_size = 1
 )]
-fn lanes(bencher: Bencher, (precision, instructions): (Precision, Instructions)) {
+fn lanes(bencher: Bencher, (precision, instructions): (LanePrecision, Instructions)) {
     let cells = cells(83);
     let options = Options {
         precision,
@@ -60,8 +60,8 @@ fn lanes(bencher: Bencher, (precision, instructions): (Precision, Instructions))
         .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
 }
 
-#[divan::bench(args = [Precision::Single, Precision::Double], sample_count = 3, sample_size = 1)]
-fn recoiling_cart(bencher: Bencher, precision: Precision) {
+#[divan::bench(args = [LanePrecision::Single, LanePrecision::Double], sample_count = 3, sample_size = 1)]
+fn recoiling_cart(bencher: Bencher, precision: LanePrecision) {
     let mut cells = cells(83);
     for cell in &mut cells {
         cell.params.cart = CartDrive::Loop(ASSUMED_SHAKER);

@@ -7,7 +7,7 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use files::table::to_csv;
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use numerics::NamedRig;
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
@@ -38,7 +38,7 @@ fn request(thin: usize, plan: CellPlan) -> MapRequest {
 fn timed(bencher: Bencher, request: &MapRequest, threads: usize, items: usize) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().expect("threads");
-    let quiet = Progress::new("", 1, true);
+    let quiet = ProgressLine::new("", 1, true);
     bencher.counter(ItemsCount::new(items)).bench_local(|| {
         pool.install(|| run(black_box(request), &quiet).expect("the chapter's map"))
     });
@@ -82,7 +82,7 @@ fn table(bencher: Bencher) {
             ..CellPlan::CHAPTER
         },
     );
-    let map = run(&request, &Progress::new("", 1, true)).expect("the chapter's map");
+    let map = run(&request, &ProgressLine::new("", 1, true)).expect("the chapter's map");
     bencher
         .counter(ItemsCount::new(map.cells.len()))
         .bench_local(|| {

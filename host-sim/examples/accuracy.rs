@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use files::UserError;
-use numerics::accuracy::band::{self, Row};
-use numerics::accuracy::named::{self, Cell};
-use numerics::accuracy::survey::{self, Compared, Edge, Spread};
+use numerics::accuracy::band::{self, ErrorsOverTicks};
+use numerics::accuracy::named::{self, StepperCell};
+use numerics::accuracy::survey::{self, Compared, ErrorSpread, ReferenceEdge};
 use numerics::accuracy::{Method, Setting};
 use numerics::engine::Precision;
 use shared::model::step::{Banded, Corrected};
@@ -91,7 +91,7 @@ fn percent(x: f64) -> String {
     }
 }
 
-fn cell_text(cell: &Option<Cell>) -> String {
+fn cell_text(cell: &Option<StepperCell>) -> String {
     match cell {
         None => "lost".to_owned(),
         Some(c) if c.force == -1.0 => "no contact *".to_owned(),
@@ -102,7 +102,7 @@ fn cell_text(cell: &Option<Cell>) -> String {
     }
 }
 
-fn row_text(name: &str, cells: &Row) -> String {
+fn row_text(name: &str, cells: &ErrorsOverTicks) -> String {
     let cells: Vec<_> = cells.iter().map(cell_text).collect();
     format!("| {name} | {} |\n", cells.join(" | "))
 }
@@ -188,13 +188,17 @@ fn survey_section() -> Result<String, UserError> {
         let (mut plain, mut edge) = (Vec::new(), Vec::new());
         for c in all {
             let off = c.error() > survey::REQUIREMENT || c.seen.regime != c.truth.regime;
-            let nudged = if off { Some(Edge::of(&c)?) } else { None };
+            let nudged = if off {
+                Some(ReferenceEdge::of(&c)?)
+            } else {
+                None
+            };
             match nudged {
                 Some(nudged) if nudged.decides() => edge.push((c, nudged)),
                 _ => plain.push(c),
             }
         }
-        let spread = Spread::of(plain.iter().map(Compared::error));
+        let spread = ErrorSpread::of(plain.iter().map(Compared::error));
         let same = plain.iter().filter(|c| c.seen.regime == c.truth.regime);
         let p = |x: f64| format!("{:.1e}", 100.0 * x);
         let _ = writeln!(
@@ -223,8 +227,8 @@ fn survey_section() -> Result<String, UserError> {
     Ok(text)
 }
 
-fn edge_text(tick_us: f64, c: &Compared, edge: &Edge) -> String {
-    let say = |o: &numerics::accuracy::Outcome| format!("{}, {:.2} N", o.regime, o.force_n);
+fn edge_text(tick_us: f64, c: &Compared, edge: &ReferenceEdge) -> String {
+    let say = |o: &numerics::accuracy::PeriodsOutcome| format!("{}, {:.2} N", o.regime, o.force_n);
     let strayed: Vec<_> = edge.strayed().map(say).collect();
     format!(
         "| {tick_us} µs | {} | {:.4} | {:.4} | {} | {} of {}: {} | {} |\n",
@@ -273,7 +277,7 @@ fn band_section() -> Result<String, UserError> {
          over it.\n\nη_α, with η_β = 0.001 N:\n\n",
         p.rig, p.gap_mm, p.ratio
     );
-    let mut push = |name: &str, unit: &str, rows: Vec<(f64, Row)>| {
+    let mut push = |name: &str, unit: &str, rows: Vec<(f64, ErrorsOverTicks)>| {
         text.push_str(&header(name, &band::TICKS_US));
         for (width, row) in rows {
             text.push_str(&row_text(&format!("{width:e} {unit}"), &row));
@@ -281,7 +285,7 @@ fn band_section() -> Result<String, UserError> {
     };
     push("η_α", "m", band::by_eta_alpha());
     text.push_str("\nη_β, with η_α = 1e-8 m:\n\n");
-    let mut push = |name: &str, unit: &str, rows: Vec<(f64, Row)>| {
+    let mut push = |name: &str, unit: &str, rows: Vec<(f64, ErrorsOverTicks)>| {
         text.push_str(&header(name, &band::TICKS_US));
         for (width, row) in rows {
             text.push_str(&row_text(&format!("{width} {unit}"), &row));

@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use numerics::engine::Engine;
-use numerics::lanes::{Cell, CellPlan, Options, Outcome, Precision, by_engine, run_with};
+use numerics::lanes::{Cell, CellOutcome, CellPlan, LanePrecision, Options, by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::params::{PRESETS, RigParams, WIRES};
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{count} cells, seed {seed}; reference: {:.1} s",
         began.elapsed().as_secs_f64()
     );
-    for precision in [Precision::Double, Precision::Single] {
+    for precision in [LanePrecision::Double, LanePrecision::Single] {
         for early in [false, true] {
             let plan = CellPlan {
                 early,
@@ -83,8 +83,8 @@ fn cell(
     })
 }
 
-fn compare(cells: &[Cell], ours: &[Outcome], reference: &[Outcome]) {
-    let periodic = |o: &Outcome| matches!(o.regime, Regime::Periodic { .. });
+fn compare(cells: &[Cell], ours: &[CellOutcome], reference: &[CellOutcome]) {
+    let periodic = |o: &CellOutcome| matches!(o.regime, Regime::Periodic { .. });
     let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
     let (mut both, mut same, mut force, mut label) = (0, 0, 0, 0);
     let mut worst = Vec::new();

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use files::{Line, Measurements, UserError};
+use files::{Measurements, TableLine, UserError};
 use numerics::{bifurcation, map, sweep};
 use shared::model::regime::{MAX_PERIODS, Regime};
 
@@ -11,13 +11,13 @@ use shared::model::regime::{MAX_PERIODS, Regime};
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::Measured, UserError> {
+pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::MeasuredCurve, UserError> {
     let table = Measurements::read(path)?;
     let lines = table.lines(&["frequency_hz", "force_n"])?;
     let points = lines.map(|line| pair(&line?, "force_n"));
     let points = points.collect::<Result<_, _>>()?;
     table.said().into_iter().for_each(say);
-    Ok(sweep::Measured { points })
+    Ok(sweep::MeasuredCurve { points })
 }
 
 /// Reads a CSV with the column frequency_hz and displacement_mm, force_n or both.
@@ -27,7 +27,7 @@ pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::Measured, U
 pub fn diagram(
     path: &Path,
     say: impl Fn(&str),
-) -> Result<bifurcation::measured::Measured, UserError> {
+) -> Result<bifurcation::measured::MeasuredDiagram, UserError> {
     let table = Measurements::read(path)?;
     let [displacement, force] = ["displacement_mm", "force_n"].map(|column| table.has(column));
     if !displacement && !force {
@@ -40,7 +40,7 @@ pub fn diagram(
         let lines = table.lines(&["frequency_hz", column])?;
         lines.map(|line| pair(&line?, column)).collect()
     };
-    let measured = bifurcation::measured::Measured {
+    let measured = bifurcation::measured::MeasuredDiagram {
         displacement_mm: pairs(displacement, "displacement_mm")?,
         force_n: pairs(force, "force_n")?,
     };
@@ -49,7 +49,7 @@ pub fn diagram(
 }
 
 /// The frequency and the value of `column`; no force is negative.
-fn pair(line: &Line, column: &str) -> Result<(f64, f64), UserError> {
+fn pair(line: &TableLine, column: &str) -> Result<(f64, f64), UserError> {
     let hz = line.number("frequency_hz")?;
     if hz <= 0.0 {
         return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
@@ -65,8 +65,11 @@ fn pair(line: &Line, column: &str) -> Result<(f64, f64), UserError> {
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn regimes(path: &Path, say: impl Fn(&str)) -> Result<Vec<map::measured::Measured>, UserError> {
-    let point = |line: &Line| {
+pub fn regimes(
+    path: &Path,
+    say: impl Fn(&str),
+) -> Result<Vec<map::measured::MeasuredRegime>, UserError> {
+    let point = |line: &TableLine| {
         let frequency_hz = line.number("frequency_hz")?;
         if frequency_hz <= 0.0 {
             return Err(line.complaint(format!("frequency_hz is {frequency_hz}, must be positive")));
@@ -77,7 +80,7 @@ pub fn regimes(path: &Path, say: impl Fn(&str)) -> Result<Vec<map::measured::Mea
                 "regime is '{text}', must be p/n such as 1/1, or none, aperiodic or chatter"
             ))
         })?;
-        Ok(map::measured::Measured {
+        Ok(map::measured::MeasuredRegime {
             gap_mm: line.number("gap_mm")?,
             frequency_hz,
             regime,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-impl numerics::progress::Progress for Progress {
+impl numerics::progress::Progress for ProgressLine {
     fn advance(&self, steps: u64) {
         self.inc(steps);
     }
@@ -16,12 +16,12 @@ impl numerics::progress::Progress for Progress {
 /// A bar with count and time left on standard error; silent when `quiet` or
 /// when standard error is not a terminal. Clones and threads share one count.
 #[derive(Debug, Clone)]
-pub struct Progress {
+pub struct ProgressLine {
     bar: ProgressBar,
     parts: Arc<Mutex<Parts>>,
 }
 
-impl Progress {
+impl ProgressLine {
     /// Starts counting to `total` steps of `what`, each of which takes about as long as the others.
     pub fn new(what: impl Into<String>, total: u64, quiet: bool) -> Self {
         let bar = hidden_unless_read(total, quiet);
@@ -37,7 +37,7 @@ impl Progress {
         Self::start(bar, style, what.into(), Parts::new(0.0))
     }
 
-    /// Starts on parts of `what` of very different size, `weight` in all; see [`Progress::part_done`].
+    /// Starts on parts of `what` of very different size, `weight` in all; see [`ProgressLine::part_done`].
     pub fn in_parts(what: impl Into<String>, weight: f64, quiet: bool) -> Self {
         let bar = hidden_unless_read(WHOLE, quiet);
         let parts = Parts::new(weight);
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn progress_counts_from_many_threads() {
-        let progress = Progress::new("points", 400, true);
+        let progress = ProgressLine::new("points", 400, true);
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| (0..100).for_each(|_| progress.inc(1)));

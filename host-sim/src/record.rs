@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use emulator::log::Reader;
+use emulator::log::LogReader;
 use files::decimal::hint;
 use files::table::{Plain, plain};
 use files::{UserError, read_table};
@@ -188,7 +188,7 @@ impl<'a> Samples<'a> {
 
 /// What the controller's sensors showed, by the calibration the log begins with.
 fn from_log(path: &Path, advance: impl Fn(f64)) -> Result<Signal, UserError> {
-    let mut reader = Reader::open(path)?;
+    let mut reader = LogReader::open(path)?;
     let settings = reader.header().settings;
     let whole = reader.ticks() as f64;
     let (mut times, mut force, mut hammer, mut cart) = (vec![], vec![], vec![], vec![]);

@@ -9,8 +9,8 @@ use shared::control::{BootInfo, Lockstep};
 use shared::io::Output;
 use shared::settings::Settings;
 
-use crate::progress::Progress;
-use emulator::log::{Cell, Input, Logged, Reader, Samples, cells, names};
+use crate::progress::ProgressLine;
+use emulator::log::{LogInput, LogReader, Logged, Samples, StatusCell, cells, names};
 use files::UserError;
 
 /// What a replay came to.
@@ -19,12 +19,12 @@ pub struct Replayed {
     /// Ticks replayed, up to and with the one that differs.
     pub ticks: u64,
     /// The first difference.
-    pub difference: Option<Difference>,
+    pub difference: Option<ReplayDifference>,
 }
 
 /// The first difference between a log and its replay.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
+pub struct ReplayDifference {
     /// Ticks since the log's start; for a part of the status, the last tick of its block.
     pub tick: u64,
     /// What differs, as the log's column is called.
@@ -39,7 +39,7 @@ pub struct Difference {
 ///
 /// # Errors
 /// One line when the log is damaged, or no controller can be made with its settings.
-pub fn replay(log: &mut Reader, progress: &Progress) -> Result<Replayed, UserError> {
+pub fn replay(log: &mut LogReader, progress: &ProgressLine) -> Result<Replayed, UserError> {
     let header = log.header().clone();
     let mut twin = started(&header.settings, &header.birth)?;
     let mut next = log.block()?;
@@ -74,14 +74,14 @@ fn started(settings: &Settings, birth: &BootInfo) -> Result<Lockstep, UserError>
     Lockstep::new(settings, birth).map_err(|e| UserError::from(e).at("the log's settings"))
 }
 
-fn give(twin: &mut Lockstep, inputs: &[Input]) -> Result<(), UserError> {
+fn give(twin: &mut Lockstep, inputs: &[LogInput]) -> Result<(), UserError> {
     for input in inputs {
         // What was refused then is refused again.
         match input {
-            Input::Command(command) => drop(twin.controller.command(*command)),
-            Input::Settings(settings) => drop(twin.controller.replace_settings(settings)),
-            Input::Overrun => twin.controller.note_overrun(),
-            Input::Born(settings, birth) => *twin = started(settings, birth)?,
+            LogInput::Command(command) => drop(twin.controller.command(*command)),
+            LogInput::Settings(settings) => drop(twin.controller.replace_settings(settings)),
+            LogInput::Overrun => twin.controller.note_overrun(),
+            LogInput::Born(settings, birth) => *twin = started(settings, birth)?,
         }
     }
     Ok(())
@@ -103,20 +103,24 @@ fn run(twin: &mut Lockstep, block: &Logged, slices: u32) -> Option<Vec<Output>> 
     Some(outputs)
 }
 
-fn differs(block: &Logged, outputs: Option<&[Output]>, twin: &Lockstep) -> Option<Difference> {
+fn differs(
+    block: &Logged,
+    outputs: Option<&[Output]>,
+    twin: &Lockstep,
+) -> Option<ReplayDifference> {
     for (i, (tick, here)) in block.ticks.iter().zip(outputs?).enumerate() {
         let recorded = &tick.output;
-        let different = |what, recorded: Cell, here: Cell| {
-            (recorded != here).then(|| Difference {
+        let different = |what, recorded: StatusCell, here: StatusCell| {
+            (recorded != here).then(|| ReplayDifference {
                 tick: block.first_tick + i as u64,
                 what,
                 recorded: recorded.to_string(),
                 here: here.to_string(),
             })
         };
-        let code = |output: &Output| Cell::Int(i64::from(output.dac.0));
-        let enable = |output: &Output| Cell::Int(i64::from(output.enable));
-        let hertz = |output: &Output| Cell::Float(output.frequency_hz);
+        let code = |output: &Output| StatusCell::Int(i64::from(output.dac.0));
+        let enable = |output: &Output| StatusCell::Int(i64::from(output.enable));
+        let hertz = |output: &Output| StatusCell::Float(output.frequency_hz);
         let found = different("enable", enable(recorded), enable(here))
             .or_else(|| different("dac_code", code(recorded), code(here)))
             .or_else(|| different("frequency_set_hz", hertz(recorded), hertz(here)));
@@ -128,7 +132,7 @@ fn differs(block: &Logged, outputs: Option<&[Output]>, twin: &Lockstep) -> Optio
     let recorded = match (&block.status, &block.state) {
         (Some(recorded), _) => recorded.clone(),
         // The state is the first of the cells.
-        (None, Some(state)) => vec![Cell::Text(state.clone().into())],
+        (None, Some(state)) => vec![StatusCell::Text(state.clone().into())],
         (None, None) => return None,
     };
     // How many events were lost depends on who took them when, and decides nothing.
@@ -138,7 +142,7 @@ fn differs(block: &Logged, outputs: Option<&[Output]>, twin: &Lockstep) -> Optio
         .zip(recorded.iter().zip(&here))
         .filter(compared);
     let (what, (recorded, here)) = all.find(|(_, (recorded, here))| recorded != here)?;
-    Some(Difference {
+    Some(ReplayDifference {
         tick: block.first_tick + block.ticks.len() as u64 - 1,
         what,
         recorded: recorded.to_string(),
@@ -155,7 +159,7 @@ mod tests {
     use shared::model::params::PRESETS;
 
     use super::*;
-    use emulator::log::{Block, Header, Tick, Writer};
+    use emulator::log::{Header, LogBlock, LogTick, LogWriter};
 
     const BLOCK: usize = 10;
 
@@ -190,16 +194,16 @@ mod tests {
     }
 
     /// Runs a controller in lock-step over `blocks` and logs it; `slices` as a recording has them.
-    fn record(path: &Path, blocks: usize, board: bool, spoil: impl Fn(usize, &mut Block)) {
+    fn record(path: &Path, blocks: usize, board: bool, spoil: impl Fn(usize, &mut LogBlock)) {
         let header = header();
         let mut twin = started(&header.settings, &header.birth).unwrap();
-        let mut writer = Writer::create(path, &header).unwrap();
+        let mut writer = LogWriter::create(path, &header).unwrap();
         let mut states = Vec::new();
         for k in 0..blocks {
             let inputs = match k {
-                10 | 2600 => vec![Input::Command(Command::Start(Mode::Automatic))],
-                1500 => vec![Input::Command(Command::Stop), Input::Overrun],
-                2500 => vec![Input::Born(
+                10 | 2600 => vec![LogInput::Command(Command::Start(Mode::Automatic))],
+                1500 => vec![LogInput::Command(Command::Stop), LogInput::Overrun],
+                2500 => vec![LogInput::Born(
                     header.settings,
                     BootInfo {
                         reset: ResetCause::Watchdog,
@@ -208,7 +212,7 @@ mod tests {
                         unfit: Unfit::NONE,
                     },
                 )],
-                2550 => vec![Input::Command(Command::ClearFault)],
+                2550 => vec![LogInput::Command(Command::ClearFault)],
                 _ => Vec::new(),
             };
             give(&mut twin, &inputs).unwrap();
@@ -223,12 +227,12 @@ mod tests {
             let status = twin.controller.status();
             states.push(status.state);
             let ticks = frames.into_iter().zip(outputs);
-            let ticks = ticks.map(|(frame, output)| Tick {
+            let ticks = ticks.map(|(frame, output)| LogTick {
                 frame,
                 output,
                 truth: None,
             });
-            let mut block = Block {
+            let mut block = LogBlock {
                 inputs,
                 samples: if blind { Samples::Blind } else { Samples::Came },
                 forecast: board.then_some(exchanged.delivered),
@@ -249,8 +253,8 @@ mod tests {
     }
 
     fn replayed(path: &Path) -> Replayed {
-        let mut log = Reader::open(path).unwrap();
-        replay(&mut log, &Progress::new("", 0, true)).unwrap()
+        let mut log = LogReader::open(path).unwrap();
+        replay(&mut log, &ProgressLine::new("", 0, true)).unwrap()
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use numerics::accuracy::Setting;
 use numerics::accuracy::survey::{
-    Compared, Edge, Point, REQUIREMENT, Spread, compare, compare_near, points,
+    Compared, ErrorSpread, REQUIREMENT, ReferenceEdge, SurveyPoint, compare, compare_near, points,
 };
 
 const SEED: u64 = 2010;
@@ -18,7 +18,7 @@ const POINTS: usize = 200;
 const MAX_EDGES: usize = 3;
 
 /// Found once for all tests.
-static SURVEY: LazyLock<Vec<Point>> = LazyLock::new(|| points(SEED, POINTS).unwrap());
+static SURVEY: LazyLock<Vec<SurveyPoint>> = LazyLock::new(|| points(SEED, POINTS).unwrap());
 
 /// Asserts the requirement, but for points where a nanometre decides the reference itself.
 #[track_caller]
@@ -28,7 +28,7 @@ fn meets_the_requirement(compared: &[Compared]) {
         if c.error() <= REQUIREMENT && c.seen.regime == c.truth.regime {
             continue;
         }
-        let on_edge = Edge::of(c).unwrap().decides();
+        let on_edge = ReferenceEdge::of(c).unwrap().decides();
         assert!(
             on_edge,
             "{:?}: {} {} N, must be {} {} N",
@@ -39,7 +39,7 @@ fn meets_the_requirement(compared: &[Compared]) {
     assert!(edges <= MAX_EDGES, "{edges} points on an edge");
     println!(
         "{edges} on an edge; {:?}",
-        Spread::of(compared.iter().map(Compared::error))
+        ErrorSpread::of(compared.iter().map(Compared::error))
     );
 }
 
@@ -55,6 +55,6 @@ fn at_10_us_near_the_attractor() {
 
 #[test]
 fn at_10_us_from_rest() {
-    let some: Vec<Point> = SURVEY.iter().copied().step_by(25).collect();
+    let some: Vec<SurveyPoint> = SURVEY.iter().copied().step_by(25).collect();
     meets_the_requirement(&compare(&some, Setting::corrected_f32(10e-6)).unwrap());
 }

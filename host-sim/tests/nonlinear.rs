@@ -2,7 +2,7 @@
 //! reference's within 0.1 % and its regime the same, or it says that the tick is too long.
 
 use numerics::engine::{
-    Engine, Observation, Plan, Recorder, Setting, Start, check_frequency, machine, observe,
+    CycleRecorder, Engine, Observation, Plan, Setting, Start, check_frequency, machine, observe,
 };
 use numerics::error::{Error, MotionError};
 use rand::{Rng, SeedableRng};
@@ -55,7 +55,7 @@ fn run(
     plan: Plan,
 ) -> Result<Observation, Error> {
     let mut hammer = machine(engine, params, hz, start)?;
-    observe(hammer.as_mut(), plan, &mut Recorder::default())
+    observe(hammer.as_mut(), plan, &mut CycleRecorder::default())
 }
 
 /// Points drawn, points compared, points refused; the largest error; what is wrong.

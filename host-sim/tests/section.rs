@@ -1,10 +1,10 @@
 //! Sections and bifurcation diagrams against what is known otherwise.
 
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use numerics::NamedRig;
-use numerics::bifurcation::measured::Measured;
-use numerics::bifurcation::{Diagram, DiagramRequest, Kind, diagrams, rows};
-use numerics::branch::{Branch, End};
+use numerics::bifurcation::measured::MeasuredDiagram;
+use numerics::bifurcation::{BifurcationDiagram, ChangeKind, DiagramRequest, diagrams, rows};
+use numerics::branch::{Branch, BranchEnd};
 use numerics::engine::{Engine, Start};
 use numerics::lanes::CellPlan;
 use numerics::orbit::shoot;
@@ -14,8 +14,8 @@ use numerics::sweep::{Direction, spread};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
-fn quiet() -> Progress {
-    Progress::new("", 1, true)
+fn quiet() -> ProgressLine {
+    ProgressLine::new("", 1, true)
 }
 
 fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> DiagramRequest {
@@ -36,7 +36,7 @@ fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> 
     }
 }
 
-fn one(request: &DiagramRequest) -> Diagram {
+fn one(request: &DiagramRequest) -> BifurcationDiagram {
     diagrams(request, &quiet()).unwrap().remove(0)
 }
 
@@ -45,7 +45,10 @@ fn one(request: &DiagramRequest) -> Diagram {
 #[test]
 fn the_doubling_is_where_the_multiplier_says() {
     let diagram = one(&request(0.0, (2.4, 2.9, 26), &[Direction::Rest]));
-    let found = diagram.changes.iter().find(|c| c.kind == Kind::Doubling);
+    let found = diagram
+        .changes
+        .iter()
+        .find(|c| c.kind == ChangeKind::Doubling);
     let found = found.expect("a doubling");
     assert!(
         found.lasting && found.below.is(1, 1) && found.above.is(2, 2),
@@ -64,7 +67,7 @@ fn the_doubling_is_where_the_multiplier_says() {
     });
     let seed = shoot(&params, hz, hammer.state().into()).expect("a settled 1/1");
     let branch = Branch::follow(&params, seed, (hz, 1.3 * hz));
-    assert_eq!(branch.high.end, End::PeriodDoubling);
+    assert_eq!(branch.high.end, BranchEnd::PeriodDoubling);
     let early = 1.0 - found.frequency_hz / branch.high.frequency_hz;
     println!(
         "doubling at {} Hz, seen {early:+.2e} of it earlier",
@@ -114,14 +117,14 @@ fn points_measured_from_the_diagram_lie_on_it() {
             .iter()
             .map(|s| (s.row.frequency_hz, s.points[0].displacement_mm))
     };
-    let on = Measured {
+    let on = MeasuredDiagram {
         displacement_mm: points().chain([(99.0, 0.0)]).collect(),
         force_n: Vec::new(),
     };
     let distance = on.displacement_distance(&diagram);
     assert_eq!((distance.points_compared, distance.points_outside), (5, 1));
     assert!(distance.largest < 1e-12);
-    let off = Measured {
+    let off = MeasuredDiagram {
         displacement_mm: points().map(|(hz, x)| (hz, x + 0.1)).collect(),
         force_n: Vec::new(),
     };

@@ -7,13 +7,13 @@ use numerics::sweep::Direction;
 use pyo3::prelude::*;
 
 use crate::error::{from_user, wrong};
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 
 /// The longest tick at which the switch engine meets its accuracy, µs; the default.
 const USUAL_TICK_US: f64 = 50.0;
 
 /// The rig with its gap and its cart as asked for; without a word on the cart it recoils where its shaker is known.
-pub fn at(rig: &Rig, gap_mm: Option<f64>, cart: Option<&str>) -> PyResult<NamedRig> {
+pub fn at(rig: &PythonRig, gap_mm: Option<f64>, cart: Option<&str>) -> PyResult<NamedRig> {
     let rig = with_gap(rig, gap_mm)?;
     match cart {
         None => Ok(rig.recoiling().unwrap_or(rig)),
@@ -29,7 +29,7 @@ pub fn at(rig: &Rig, gap_mm: Option<f64>, cart: Option<&str>) -> PyResult<NamedR
 }
 
 /// The rig with its gap as asked for.
-pub fn with_gap(rig: &Rig, gap_mm: Option<f64>) -> PyResult<NamedRig> {
+pub fn with_gap(rig: &PythonRig, gap_mm: Option<f64>) -> PyResult<NamedRig> {
     let mut rig = rig.named.clone();
     if let Some(mm) = gap_mm {
         rig.params = rig

@@ -1,13 +1,13 @@
 //! Basins of attraction.
 
-use numerics::basins::{Basins, BasinsRequest, Window, cells, explore};
+use numerics::basins::{Basins, BasinsRequest, StartWindow, cells, explore};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::{from_numerics, wrong};
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::record;
 use crate::work::How;
 
@@ -19,7 +19,7 @@ use crate::work::How;
 )]
 pub fn basins<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
@@ -49,7 +49,7 @@ pub fn basins<'py>(
     let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
     let engine = arguments::engine(engine, precision, tick_us)?;
     let (columns, rows) = grid;
-    let mut window = Window::usual(&rig.params, columns, rows);
+    let mut window = StartWindow::usual(&rig.params, columns, rows);
     if let Some(ends) = displacement_mm {
         window.displacement_m = ends.map(|mm| mm * 1e-3);
     }

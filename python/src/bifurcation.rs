@@ -1,6 +1,6 @@
 //! Bifurcation diagrams.
 
-use numerics::bifurcation::answer::Answer;
+use numerics::bifurcation::answer::BifurcationAnswer;
 use numerics::bifurcation::{DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::wrong;
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, record};
 use crate::work::How;
 
@@ -23,7 +23,7 @@ use crate::work::How;
 )]
 pub fn bifurcation<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<Vec<f64>>,
     frequency_hz: Option<Vec<f64>>,
     gap_mm: Option<Vec<f64>>,
@@ -66,7 +66,7 @@ pub fn bifurcation<'py>(
     };
     let how = How { threads, progress };
     let made = how.run(py, request.simulations(), |watch| diagrams(&request, watch))?;
-    let found = record(py, &Answer::new(&request, &made, None))?;
+    let found = record(py, &BifurcationAnswer::new(&request, &made, None))?;
     found.set_item("points", columns(py, &rows(&made))?)?;
     Ok(found)
 }

@@ -1,9 +1,9 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
-use files::words::identify::Worded;
+use files::words::identify::WordedFit;
 use numerics::contact_law::{all_laws, rows};
 use numerics::drop_test::{DropTest, record as record_of};
-use numerics::identify::{Fit, Misfit, Settings, fit, free_cart_percent, measure};
+use numerics::identify::{IdentifiedFit, Misfit, SearchSettings, fit, free_cart_percent, measure};
 use numerics::row::tidy;
 use numerics::signal::Signal;
 use pyo3::prelude::*;
@@ -12,7 +12,7 @@ use shared::model::contact::{LAWS, LawKind};
 
 use crate::arguments;
 use crate::error::wrong;
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, object, record};
 use crate::work::How;
 
@@ -20,7 +20,7 @@ use crate::work::How;
 #[pyo3(signature = (rig, *, speed_m_per_s, law))]
 pub fn contact<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     speed_m_per_s: Vec<f64>,
     law: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -64,7 +64,7 @@ pub fn contact<'py>(
 )]
 pub fn drop<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     gap_mm: Option<f64>,
     release_mm: f64,
     impacts: usize,
@@ -138,7 +138,7 @@ pub fn drop<'py>(
 )]
 pub fn identify<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     time_s: Vec<f64>,
     force_n: Vec<f64>,
     displacement_mm: Option<Vec<f64>>,
@@ -183,7 +183,7 @@ pub fn identify<'py>(
     }
     let signal = signal(time_s, force_n, displacement_mm)?;
     let rig = arguments::at(rig, gap_mm, None)?;
-    let settings = Settings {
+    let settings = SearchSettings {
         release_m: release(release_mm, &signal)? * 1e-3,
         seek_release,
         seek_exponent,
@@ -219,12 +219,12 @@ pub fn identify<'py>(
     found.set_item("clock_percent", clock_percent)?;
     found.set_item("free_cart_percent", free_cart_percent(&rig.params))?;
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
-    let best: Option<&Fit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+    let best: Option<&IdentifiedFit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     let ring = best.or(fits.first()).and_then(|fit| fit.ring);
     found.set_item("ring", object(py, &ring)?)?;
     let list = PyList::empty(py);
     for fit in &fits {
-        let one = record(py, &Worded::from(fit))?;
+        let one = record(py, &WordedFit::from(fit))?;
         one.set_item("impacts", columns(py, &fit.impacts)?)?;
         list.append(one)?;
     }

@@ -1,6 +1,6 @@
 //! Ground that gives way: rate of penetration over gap and frequency.
 
-use files::ground::{Asked, BitWords, FEEDS, feed_name};
+use files::ground::{BitWords, FEEDS, GroundAsked, feed_name};
 use numerics::drill::{DrillPlan, DrillSetting, advise, grid};
 use numerics::row::tidy;
 use numerics::sweep::spread;
@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::{from_user, wrong};
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, object};
 use crate::work::How;
 
@@ -24,7 +24,7 @@ const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
 )]
 pub fn drill<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     threshold_n: f64,
     ground_stiffness_n_per_m: Option<f64>,
     ground_damping_n_s_per_m: Option<f64>,
@@ -44,7 +44,7 @@ pub fn drill<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let rig = arguments::at(rig, gap_mm, cart)?;
-    let asked = Asked {
+    let asked = GroundAsked {
         threshold_n: Some(threshold_n),
         ground_stiffness_n_per_m,
         ground_damping_n_s_per_m,

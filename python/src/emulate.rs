@@ -1,7 +1,7 @@
 //! The controller in a closed loop with the emulated rig.
 
 use emulator::local::Local;
-use emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunObserver, TickRow, TrueContact};
 use emulator::run::Run;
 use emulator::scenario::{self, BUILTIN};
 use emulator::verdict::judge;
@@ -38,13 +38,13 @@ struct Line {
 struct Watch {
     every: u64,
     samples: Vec<Sample>,
-    contacts: Vec<Contact>,
+    contacts: Vec<TrueContact>,
     events: Vec<Line>,
     state: &'static str,
     frequency_hz: f32,
 }
 
-impl Observer for Watch {
+impl RunObserver for Watch {
     fn tick(&mut self, row: &TickRow) {
         if self.every == 0 || !row.tick.is_multiple_of(self.every) {
             return;
@@ -65,11 +65,11 @@ impl Observer for Watch {
         self.frequency_hz = row.status.frequency_hz;
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         self.contacts.push(*contact);
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         self.events.push(Line {
             time_s: event.time_s,
             what: event.what.to_string(),

@@ -25,7 +25,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<rig::Rig>()?;
+    module.add_class::<rig::PythonRig>()?;
     module.add_function(wrap_pyfunction!(rig::presets, module)?)?;
     module.add_function(wrap_pyfunction!(run::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(run::sweep, module)?)?;

@@ -3,7 +3,7 @@
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Grid, Map, MapCell, MapRequest, Runner, Summary, run};
+use numerics::map::{Grid, Map, MapCell, MapRequest, MapSummary, Runner, run};
 use numerics::row::tidy;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -11,14 +11,14 @@ use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::from_numerics;
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::object;
 use crate::work::How;
 
 /// What is asked of a map, as keywords.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Asked {
+pub struct MapKeywords {
     gap_mm: Option<Vec<f64>>,
     ratio: Option<Vec<f64>>,
     frequency_hz: Option<Vec<f64>>,
@@ -32,8 +32,8 @@ pub struct Asked {
     settle: Option<u32>,
 }
 
-impl Asked {
-    fn request(self, rig: &Rig) -> PyResult<MapRequest> {
+impl MapKeywords {
+    fn request(self, rig: &PythonRig) -> PyResult<MapRequest> {
         let rig = arguments::at(rig, None, self.cart.as_deref())?;
         let given = arguments::frequencies(&rig, self.ratio, self.frequency_hz)?;
         let gaps_mm = match self.gap_mm {
@@ -79,8 +79,8 @@ impl Asked {
 #[pyo3(signature = (rig, asked, threads, progress))]
 pub fn map<'py>(
     py: Python<'py>,
-    rig: &Rig,
-    asked: Asked,
+    rig: &PythonRig,
+    asked: MapKeywords,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -99,7 +99,7 @@ fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bou
     found.set_item("cycles", request.plan.cycles)?;
     found.set_item("recorded", request.plan.recorded)?;
     found.set_item("settle", request.settle)?;
-    found.set_item("summary", object(py, &Summary::of(map))?)?;
+    found.set_item("summary", object(py, &MapSummary::of(map))?)?;
     found.set_item("gap_mm", map.grid.gaps_mm.clone().into_pyarray(py))?;
     found.set_item("gap_ratio", map.gap_ratios().into_pyarray(py))?;
     let hz = map.grid.frequencies_hz.clone();

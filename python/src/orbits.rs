@@ -1,6 +1,6 @@
 //! Curves of periodic orbits over frequency or gap.
 
-use numerics::continuation::table::Answer;
+use numerics::continuation::table::OrbitsAnswer;
 use numerics::continuation::{Along, OrbitsRequest, diagram};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -8,7 +8,7 @@ use shared::model::contact::Law;
 
 use crate::arguments;
 use crate::error::wrong;
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, record};
 use crate::work::How;
 
@@ -20,7 +20,7 @@ use crate::work::How;
 )]
 pub fn orbits<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     along: &str,
     ratio: Option<Vec<f64>>,
     frequency_hz: Option<Vec<f64>>,
@@ -120,7 +120,7 @@ pub fn orbits<'py>(
     let found = how.run(py, request.simulations(), |watch| {
         diagram(&rig.params, &request, watch)
     })?;
-    let answer = Answer::new(&rig.name, &found);
+    let answer = OrbitsAnswer::new(&rig.name, &found);
     let whole = record(py, &answer)?;
     whole.set_item("orbits", columns(py, &answer.orbits)?)?;
     whole.set_item("special_points", columns(py, &answer.special_points)?)?;

@@ -1,8 +1,8 @@
 //! The operating point.
 
 use files::rigfile::WIDTHS;
-use files::words::pick::Worded;
-use numerics::Limits;
+use files::words::pick::WordedPick;
+use numerics::PickLimits;
 use numerics::pick::{Springs, pick_on, steps};
 use numerics::uncertainty::Stated;
 use numpy::IntoPyArray;
@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::{from_user, wrong};
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::record;
 use crate::work::How;
 
@@ -26,7 +26,7 @@ const MOST_SAMPLES: u32 = 100_000;
 )]
 pub fn pick<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     gap_mm: f64,
     cart: Option<&str>,
     nominal: bool,
@@ -60,7 +60,7 @@ pub fn pick<'py>(
         }
         _ => Ok(value),
     };
-    let limits = Limits {
+    let limits = PickLimits {
         max_force_n: limit("max_force_n", max_force_n)?,
         max_frequency_hz: limit("max_frequency_hz", max_frequency_hz)?,
         max_shaker_force_n: limit("max_shaker_force_n", max_shaker_force_n)?,
@@ -70,7 +70,7 @@ pub fn pick<'py>(
     let found = how.run(py, steps(uncertainty), |watch| {
         pick_on(&rig, Springs::default(), uncertainty, limits, watch)
     })?;
-    let answer = record(py, &Worded::from(&found.answer))?;
+    let answer = record(py, &WordedPick::from(&found.answer))?;
     let (hz, force): (Vec<f64>, Vec<f64>) = found.curve.iter().copied().unzip();
     answer.set_item("curve_frequency_hz", hz.into_pyarray(py))?;
     answer.set_item("curve_force_ratio", force.into_pyarray(py))?;

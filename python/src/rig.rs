@@ -10,8 +10,8 @@ use crate::error::{from_user, wrong};
 use crate::values::object;
 
 /// A rig and where it came from.
-#[pyclass(module = "vibroimpact", frozen, skip_from_py_object)]
-pub struct Rig {
+#[pyclass(name = "Rig", module = "vibroimpact", frozen, skip_from_py_object)]
+pub struct PythonRig {
     /// A preset's name or a file's path.
     source: String,
     /// The file's text, if it came from one: what is sent to another process.
@@ -22,7 +22,7 @@ pub struct Rig {
     pub named: NamedRig,
 }
 
-impl Rig {
+impl PythonRig {
     fn load(source: String, text: Option<String>, settings: Vec<String>) -> PyResult<Self> {
         let is_preset = PRESETS.iter().any(|(name, _)| *name == source);
         let text = match text {
@@ -61,7 +61,7 @@ fn settings(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
 }
 
 #[pymethods]
-impl Rig {
+impl PythonRig {
     #[new]
     #[pyo3(signature = (source = "wires".to_owned(), /, **parameters))]
     fn new(source: String, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {

@@ -1,12 +1,12 @@
 //! One run, and the force curve over frequency.
 
-use numerics::engine::answer::{Answer, contact_rows, section_rows};
-use numerics::engine::{Recorder, machine, observe};
+use numerics::engine::answer::{RunAnswer, contact_rows, section_rows};
+use numerics::engine::{CycleRecorder, machine, observe};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments::{self, StartArgument};
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, record};
 use crate::work::How;
 
@@ -18,7 +18,7 @@ use crate::work::How;
 )]
 pub fn simulate<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
@@ -42,16 +42,16 @@ pub fn simulate<'py>(
     };
     let (seen, recorder, section) = how.run(py, 1, |_| {
         let mut hammer = machine(engine, &rig.params, hz, start)?;
-        let mut recorder = Recorder {
+        let mut recorder = CycleRecorder {
             samples_per_period,
             evenly: true,
-            ..Recorder::default()
+            ..CycleRecorder::default()
         };
         let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
         let section = section_rows(&seen, hammer.rig());
         Ok((seen, recorder, section))
     })?;
-    let found = record(py, &Answer::new(&rig, engine, plan, &seen, &recorder))?;
+    let found = record(py, &RunAnswer::new(&rig, engine, plan, &seen, &recorder))?;
     found.set_item("history", columns(py, &recorder.samples)?)?;
     found.set_item("section", columns(py, &section)?)?;
     found.set_item("contacts", columns(py, &contact_rows(&recorder))?)?;
@@ -66,7 +66,7 @@ pub fn simulate<'py>(
 )]
 pub fn sweep<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<Vec<f64>>,
     frequency_hz: Option<Vec<f64>>,
     gap_mm: Option<f64>,

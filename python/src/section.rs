@@ -1,7 +1,7 @@
 //! Poincaré sections and Lyapunov exponents.
 
-use numerics::lyapunov::{Span, exponents};
-use numerics::poincare::answer::Answer;
+use numerics::lyapunov::{LyapunovSpan, exponents};
+use numerics::poincare::answer::SectionAnswer;
 use numerics::poincare::{SectionRequest, portrait};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -9,7 +9,7 @@ use shared::model::rig::Rig as Model;
 
 use crate::arguments::{self, StartArgument};
 use crate::error::wrong;
-use crate::rig::Rig;
+use crate::rig::PythonRig;
 use crate::values::{columns, record};
 use crate::work::How;
 
@@ -21,7 +21,7 @@ use crate::work::How;
 )]
 pub fn poincare<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
@@ -59,7 +59,7 @@ pub fn poincare<'py>(
         progress,
     };
     let seen = how.run(py, u64::from(points), |watch| portrait(&request, watch))?;
-    let answer = Answer::new(&rig.name, &request, &seen, None);
+    let answer = SectionAnswer::new(&rig.name, &request, &seen, None);
     let rows: Vec<_> = seen.sections.iter().flatten().copied().collect();
     let found = record(py, &answer)?;
     found.set_item("section", columns(py, &rows)?)?;
@@ -75,7 +75,7 @@ pub fn poincare<'py>(
 )]
 pub fn lyapunov<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &PythonRig,
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
@@ -95,7 +95,12 @@ pub fn lyapunov<'py>(
         numerics::engine::check_frequency(hz, &rig.params)?;
         let model = Model::<f64>::new(&rig.params)?;
         let section = start.section(&model, std::f64::consts::TAU * hz)?;
-        exponents(&rig.params, hz, section, Span { transient, periods })
+        exponents(
+            &rig.params,
+            hz,
+            section,
+            LyapunovSpan { transient, periods },
+        )
     })?;
     let answer = record(py, &found)?;
     answer.set_item("meaning", found.meaning())?;

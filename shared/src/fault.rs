@@ -197,9 +197,9 @@ pub enum Origin {
 
 /// The record of an episode of faults: from the first fault to the moment it is cleared. Written when a fault
 /// trips, retained over a reset, reported after it. It describes the first fault of the episode, or the first that
-/// latches if there is one; the others are in [`Record::episode`].
+/// latches if there is one; the others are in [`FaultRecord::episode`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct FaultRecord {
     /// The fault.
     pub fault: Fault,
     /// Which sensor.
@@ -214,7 +214,7 @@ pub struct Record {
     pub episode: FaultSet,
 }
 
-impl Record {
+impl FaultRecord {
     /// The first record of an episode.
     pub const fn new(
         fault: Fault,
@@ -288,7 +288,7 @@ impl Persisted {
     };
 
     /// Packs a record.
-    pub fn new(record: &Record) -> Self {
+    pub fn new(record: &FaultRecord) -> Self {
         let words = [
             u32::from(record.fault.code()) | (record.origin as u32) << 8 | LAYOUT << 16,
             record.tick,
@@ -303,7 +303,7 @@ impl Persisted {
     }
 
     /// The record, if it is whole.
-    pub fn record(&self) -> Option<Record> {
+    pub fn record(&self) -> Option<FaultRecord> {
         if self.check != Self::check_of(&self.words) {
             return None;
         }
@@ -319,7 +319,7 @@ impl Persisted {
             _ => return None,
         };
         let fault = Fault::from_code((head & 0xff) as u8)?;
-        Some(Record {
+        Some(FaultRecord {
             fault,
             origin,
             tick,
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn an_episode_latches_if_one_of_its_faults_does_and_shows_that_one() {
-        let record = |fault| Record::new(fault, Origin::System, 1, 2.0, 3.0);
+        let record = |fault| FaultRecord::new(fault, Origin::System, 1, 2.0, 3.0);
         let pure = record(Fault::LinkTimeout);
         assert!(!pure.latches());
         let both = record(Fault::EmergencyStop).after(Some(pure));
@@ -372,7 +372,7 @@ mod tests {
 
     #[test]
     fn a_record_of_an_older_layout_is_none() {
-        let record = Record::new(Fault::OverForce, Origin::Force, 1, 2.0, 3.0);
+        let record = FaultRecord::new(Fault::OverForce, Origin::Force, 1, 2.0, 3.0);
         let mut old = Persisted::new(&record);
         old.words[0] &= 0xffff;
         old.check = Persisted::check_of(&old.words);
@@ -381,8 +381,8 @@ mod tests {
 
     #[test]
     fn a_record_survives_and_a_damaged_one_is_none() {
-        let second = Record::new(Fault::BrownOut, Origin::System, 0, 0.0, 0.0);
-        let record = second.after(Some(Record::new(
+        let second = FaultRecord::new(Fault::BrownOut, Origin::System, 0, 0.0, 0.0);
+        let record = second.after(Some(FaultRecord::new(
             Fault::OverForce,
             Origin::Force,
             123_456,

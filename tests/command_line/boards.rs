@@ -8,14 +8,14 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use crate::support::Folder;
-use host_sim::link::{Board, Server, client};
+use host_sim::link::{BoardSession, EmulatedBoard, client};
 use serialport::{SerialPort, TTYPort};
 use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Status};
-use shared::fault::{Fault, Origin, Record};
-use shared::forecast::Row;
+use shared::fault::{Fault, FaultRecord, Origin};
+use shared::forecast::ForecastRow;
 use shared::io::{AdcCode, Frame, Output};
 use shared::link::{
-    BAUD, Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock,
+    BAUD, Boot, Device, ForecastPage, Hello, Identified, LinkName, PROTOCOL_VERSION, RecordedBlock,
     Refusal,
 };
 use shared::model::params::WIRES;
@@ -41,7 +41,7 @@ impl Behind {
         let thread = thread::spawn(move || {
             // Held open: without an opener at the far end, the wire reads as broken.
             let _far_end = far_end;
-            let mut server = Server::new();
+            let mut server = BoardSession::new();
             while !stop.load(Ordering::Relaxed) {
                 turn(&mut device);
                 server
@@ -80,7 +80,7 @@ impl Drop for Behind {
 
 /// The real controller at a rig that stands still.
 pub fn still() -> Behind {
-    let mut board = Board::new(&Settings::for_rig(&WIRES), 10).expect("good settings");
+    let mut board = EmulatedBoard::new(&Settings::for_rig(&WIRES), 10).expect("good settings");
     // A forecast takes a while; it is there before the first question.
     while board
         .lockstep()
@@ -92,7 +92,7 @@ pub fn still() -> Behind {
     Behind::run(board, quiet_block)
 }
 
-pub fn quiet_block(board: &mut Board) {
+pub fn quiet_block(board: &mut EmulatedBoard) {
     let settings = board.settings();
     let code = |zero: f32| AdcCode(zero as u16);
     let frame = Frame {
@@ -162,7 +162,7 @@ impl Toy {
         status.peak_n = status.frequency_hz;
         if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
             status.state = State::Fault;
-            status.fault = Some(Record::new(
+            status.fault = Some(FaultRecord::new(
                 Fault::OverForce,
                 Origin::Force,
                 status.tick,
@@ -177,8 +177,8 @@ impl Device for Toy {
     fn hello(&mut self) -> Hello {
         Hello {
             protocol: self.protocol,
-            firmware: Name::try_from("9.9.9").expect("short"),
-            board: Name::try_from(self.name).expect("short"),
+            firmware: LinkName::try_from("9.9.9").expect("short"),
+            board: LinkName::try_from(self.name).expect("short"),
             tick_rate_hz: 20_000,
             block_ticks: 10,
         }
@@ -215,7 +215,7 @@ impl Device for Toy {
         if self.never == Some(Never::OneForecast) {
             one.id = self.status.tick;
             one.rows_in_all = 40;
-            let row = Row {
+            let row = ForecastRow {
                 frequency_hz: 3.0,
                 regime: Regime::None,
                 force_n: 1.0,
@@ -225,7 +225,7 @@ impl Device for Toy {
         }
         one
     }
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         self.status.fault
     }
     fn identified(&mut self) -> Identified {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use emulator::log::{Block, Reader, Writer};
+use emulator::log::{LogBlock, LogReader, LogWriter};
 use serde_json::Value;
 
 use crate::support::{Folder, assert_refused, assert_svg_shows, csv_rows, keys, number, png_size};
@@ -336,12 +336,12 @@ fn a_log_that_is_cut_short_is_refused_and_one_that_differs_is_exit_code_1() {
 
     // Another amplitude in the settings the log was made with: other decisions.
     fs::write(&log, &whole).unwrap();
-    let mut reader = Reader::open(&log).unwrap();
+    let mut reader = LogReader::open(&log).unwrap();
     let mut header = reader.header().clone();
     header.settings.rig.amplitude_m *= 1.01;
-    let mut writer = Writer::create(folder.path("out/other.parquet"), &header).unwrap();
+    let mut writer = LogWriter::create(folder.path("out/other.parquet"), &header).unwrap();
     while let Some(logged) = reader.block().unwrap() {
-        let block = Block {
+        let block = LogBlock {
             inputs: logged.inputs,
             samples: logged.samples,
             forecast: logged.forecast,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::boards::{Emulator, Never, Toy, still, toy};
 use crate::support::{Folder, csv_rows, finish, number, wait};
-use emulator::log::Reader;
+use emulator::log::LogReader;
 use serialport::{SerialPort, TTYPort};
 use shared::control::State;
 use shared::io::AdcCode;
@@ -59,7 +59,7 @@ fn status_settings_and_forecast_of_the_real_controller() {
     );
     let expected = board.client().ask(ToBoard::GetSettings).expect("an answer");
     let beams = Settings::for_rig(&BEAM_150).with_heartbeat();
-    assert_eq!(expected, shared::link::Answer::Settings(beams));
+    assert_eq!(expected, shared::link::LinkAnswer::Settings(beams));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn a_recording_is_a_log_without_a_gap_that_replays() {
     let board = still();
     let folder = Folder::new();
     record(&folder, &board.line("record run.parquet --for 0.5"));
-    let mut log = Reader::open(folder.path("run.parquet")).expect("a log");
+    let mut log = LogReader::open(folder.path("run.parquet")).expect("a log");
     assert_eq!(log.header().source, "emulator");
     assert_eq!(log.header().settings, Settings::for_rig(&WIRES));
     assert!(log.ticks() >= 10_000);
@@ -171,7 +171,7 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
     let status = ask("status --format json").well().json();
     let state = status["state"].as_str().expect("a state");
     assert!(matches!(state, "stop" | "idle"), "{status}");
-    let mut log = Reader::open(folder.path("run.parquet")).expect("a log");
+    let mut log = LogReader::open(folder.path("run.parquet")).expect("a log");
     let mut driven = false;
     while let Some(logged) = log.block().expect("a whole log") {
         driven |= logged.ticks.iter().any(|tick| tick.output.enable);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::boards::{Emulator, Toy, still, toy};
 use crate::link::refused;
 use crate::support::{Folder, finish, wait};
-use shared::link::Act;
+use shared::link::LinkAct;
 use shared::model::params::WIRES;
 use shared::settings::Settings;
 
@@ -114,7 +114,7 @@ fn a_program_that_steers_is_in_the_way_of_others_until_they_take_over() {
     first.open_session(false).expect("a session");
     let mut patient = Settings::for_rig(&WIRES);
     patient.trips.link_timeout_s = 3600.0;
-    first.steer(Act::SetSettings(patient)).expect("in idle");
+    first.steer(LinkAct::SetSettings(patient)).expect("in idle");
     drop(first);
     assert_eq!(ask("status --format json").well().json()["held"], true);
     let steers = ["another program steers", "--take-over"];

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use shared::control::{Command, Mode, State};
-use shared::link::{Act, Answer, Refusal, ToBoard};
+use shared::link::{LinkAct, LinkAnswer, Refusal, ToBoard};
 use shared::model::params::BEAM_150;
 use shared::settings::Settings;
 
@@ -239,9 +239,9 @@ fn one_page_commands_and_the_others_watch() {
     );
     let settings = Settings::for_rig(&BEAM_150);
     for act in [
-        Act::Command(Command::Start(Mode::Automatic)),
-        Act::SetSettings(settings),
-        Act::Release,
+        LinkAct::Command(Command::Start(Mode::Automatic)),
+        LinkAct::SetSettings(settings),
+        LinkAct::Release,
     ] {
         for session in [0, 1, u32::MAX] {
             let steer = ToBoard::Steer {
@@ -250,14 +250,14 @@ fn one_page_commands_and_the_others_watch() {
                 act,
             };
             let answer = other.client.ask(steer).expect("an answer");
-            assert_eq!(answer, Answer::Refused(Refusal::SomebodySteers));
+            assert_eq!(answer, LinkAnswer::Refused(Refusal::SomebodySteers));
         }
     }
     let start = ToBoard::Command(Command::Start(Mode::Automatic));
     let answer = other.client.ask(start).expect("an answer");
-    assert_eq!(answer, Answer::Refused(Refusal::NoSession));
+    assert_eq!(answer, LinkAnswer::Refused(Refusal::NoSession));
     let unchanged = other.client.ask(ToBoard::GetSettings).expect("an answer");
-    assert_ne!(unchanged, Answer::Settings(settings));
+    assert_ne!(unchanged, LinkAnswer::Settings(settings));
     // It may look, and stop.
     assert_eq!(other.client.status().expect("a status").state, State::Idle);
     other.client.command(Command::Stop).expect("anybody may");
@@ -271,7 +271,7 @@ fn one_page_commands_and_the_others_watch() {
         .expect("it streams");
     assert!(streamed.is_some());
     one.client
-        .steer(Act::SetSettings(settings))
+        .steer(LinkAct::SetSettings(settings))
         .expect("it commands");
 }
 

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use emulator::record::{Observer, TickRow};
+use emulator::record::{RunObserver, TickRow};
 use emulator::run::run as emulate;
 use emulator::scenario;
 use files::UserError;
@@ -65,7 +65,7 @@ impl Truth {
 
 struct Watch(Arc<Truth>);
 
-impl Observer for Watch {
+impl RunObserver for Watch {
     fn tick(&mut self, row: &TickRow) {
         if row.powered {
             self.0.powered.store(row.tick, Ordering::SeqCst);

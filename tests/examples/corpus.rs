@@ -8,7 +8,9 @@ use std::path::PathBuf;
 use serde::Serialize;
 use shared::control::{Command, Mode};
 use shared::io::{Frame, Output};
-use shared::link::{Act, FromBoard, MAX_FRAME, Packet, RecordedBlock, Recording, ToBoard, encode};
+use shared::link::{
+    FromBoard, LinkAct, MAX_FRAME, Packet, RecordedBlock, Recording, ToBoard, encode,
+};
 use shared::model::params::PRESETS;
 use shared::settings::Settings;
 
@@ -33,15 +35,15 @@ fn main() -> io::Result<()> {
         ToBoard::GetBoard,
         // What the fuzzer's board grants: boot 0, session after session.
         open(0, false),
-        steer(1, Act::SetSettings(settings[0])),
-        steer(2, Act::SetSettings(settings[1])),
-        steer(3, Act::Command(Command::Start(Mode::Manual))),
-        steer(4, Act::Command(point)),
-        steer(5, Act::Command(Command::Alive)),
-        steer(6, Act::Command(Command::ConfirmSettings)),
-        steer(7, Act::Command(Command::Acknowledge)),
+        steer(1, LinkAct::SetSettings(settings[0])),
+        steer(2, LinkAct::SetSettings(settings[1])),
+        steer(3, LinkAct::Command(Command::Start(Mode::Manual))),
+        steer(4, LinkAct::Command(point)),
+        steer(5, LinkAct::Command(Command::Alive)),
+        steer(6, LinkAct::Command(Command::ConfirmSettings)),
+        steer(7, LinkAct::Command(Command::Acknowledge)),
         open(1, true),
-        steer(8, Act::Release),
+        steer(8, LinkAct::Release),
     ];
     for (i, request) in requests.iter().enumerate() {
         // A raw stream, and a packet that the fuzzer's body frames (chunks of 512 bytes).
@@ -80,7 +82,7 @@ fn open(granted: u32, take_over: bool) -> ToBoard {
 }
 
 /// An act of the first session in boot 0.
-fn steer(number: u32, act: Act) -> ToBoard {
+fn steer(number: u32, act: LinkAct) -> ToBoard {
     ToBoard::Steer {
         session: 0x9e37_79b9,
         number,

@@ -3,8 +3,8 @@
 //!
 //!     cargo run -p tests --example recoil_forecast
 
-use numerics::Limits;
 use numerics::NamedRig;
+use numerics::PickLimits;
 use numerics::pick::pick;
 use shared::forecast::{ForecastRequest, Forecaster, Target};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
@@ -39,7 +39,7 @@ fn main() {
                 cart: CartDrive::Loop(ASSUMED_SHAKER),
                 ..prescribed
             };
-            let answer = match pick(&NamedRig::new(name, rig), None, Limits::default(), &()) {
+            let answer = match pick(&NamedRig::new(name, rig), None, PickLimits::default(), &()) {
                 Ok(picked) => picked.answer,
                 Err(error) => panic!("{name}, {gap_mm} mm: {error:?}"),
             };

@@ -1,12 +1,12 @@
 //! The microcontroller's forecast (f32, long steps) against the reference (f64, located events).
 
-use numerics::Limits;
 use numerics::NamedRig;
-use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use numerics::PickLimits;
+use numerics::engine::{CycleRecorder, Engine, Plan, Start, machine, observe};
 use numerics::orbit::{Multipliers, on_course, shoot_at};
-use numerics::pick::{Answer, pick};
+use numerics::pick::{PickAnswer, pick};
 use shared::forecast::march::ForecastModel;
-use shared::forecast::shoot::{Progress, Shoot, Solution};
+use shared::forecast::shoot::{Shoot, Shooting, Solution};
 use shared::forecast::{Forecast, ForecastRequest, Forecaster, Target};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::contact::{LAWS, Law};
@@ -35,9 +35,9 @@ fn shoot_in_f32(rig: &RigParams, hz: f32, guess: [f32; 4]) -> Option<Solution> {
     let mut run = Shoot::new(&model, hz, guess)?;
     loop {
         match run.step(&model) {
-            Progress::Working => {}
-            Progress::Found(solution) => return Some(solution),
-            Progress::Lost => return None,
+            Shooting::Working => {}
+            Shooting::Found(solution) => return Some(solution),
+            Shooting::Lost => return None,
         }
     }
 }
@@ -164,9 +164,9 @@ fn the_target_is_the_nominal_optimum_with_a_cart_that_recoils() {
     }
 }
 
-fn nominal(name: &str, rig: &RigParams) -> Answer {
+fn nominal(name: &str, rig: &RigParams) -> PickAnswer {
     let rig = NamedRig::new(name, *rig);
-    pick(&rig, None, Limits::default(), &()).unwrap().answer
+    pick(&rig, None, PickLimits::default(), &()).unwrap().answer
 }
 
 fn share(a: f32, b: f64) -> f64 {
@@ -241,7 +241,7 @@ fn regimes_from_rest_are_the_reference_s() {
         for row in &found.rows {
             let hz = f64::from(row.frequency_hz);
             let mut run = machine(Engine::Event, &rig, hz, Start::Rest).unwrap();
-            let seen = observe(run.as_mut(), LONG, &mut Recorder::default()).unwrap();
+            let seen = observe(run.as_mut(), LONG, &mut CycleRecorder::default()).unwrap();
             // In chaos the contacts of the last periods are nobody's.
             if row.regime.to_string() != seen.regime.to_string() {
                 differ.push(format!("{hz:.3} Hz: {} not {}", row.regime, seen.regime));

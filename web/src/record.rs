@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use emulator::log::{Block, Header, WriterTo};
+use emulator::log::{Header, LogBlock, WriterTo};
 use shared::control::BootInfo;
 use shared::link::{Hello, RecordedBlock};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 /// Writes what a board streams, from the controller's next restart on: from there a replay can begin.
-pub struct Recorder {
+pub struct StreamRecorder {
     log: Option<WriterTo<Vec<u8>>>,
     /// Tick of the next block; none: the restart has not come yet.
     next: Option<u32>,
@@ -16,7 +16,7 @@ pub struct Recorder {
     broke: Option<String>,
 }
 
-impl Recorder {
+impl StreamRecorder {
     /// Nothing is recorded yet. `made_from` is what it was made from, as JSON.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl Recorder {
         }
         let count = block.frames.len() as u32;
         if let Some(log) = &mut self.log
-            && let Err(error) = log.block(&Block::from(block))
+            && let Err(error) = log.block(&LogBlock::from(block))
         {
             self.broke = Some(error.to_string());
             return;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    Outcome, boards, command,
+    JobResult, boards, command,
     desktop::{self, Build},
     firmware, python, tools,
 };
@@ -19,7 +19,7 @@ const STATES: &str = "4";
 
 /// Builds the image and the model, and runs the one in the other; `words` go to the model. With `--oracle` the model's processor is
 /// compared with another.
-pub fn run(words: &[&str], build: &Build) -> Outcome {
+pub fn run(words: &[&str], build: &Build) -> JobResult {
     match words {
         ["--oracle"] => return compare(STATES, build, &oracle()?),
         ["--oracle", states] => return compare(states, build, &oracle()?),
@@ -32,13 +32,13 @@ pub fn run(words: &[&str], build: &Build) -> Outcome {
 }
 
 /// Unicorn, in an environment of its own.
-pub fn oracle() -> Outcome<PathBuf> {
+pub fn oracle() -> JobResult<PathBuf> {
     python::environment("oracle", &["unicorn==2.1.4"])
 }
 
 /// Compares the model's processor with Unicorn's, an instruction of the image at a time, each in so many random states; and its
 /// exceptions with QEMU's, in random programs.
-pub fn compare(states: &str, build: &Build, oracle: &Path) -> Outcome {
+pub fn compare(states: &str, build: &Build, oracle: &Path) -> JobResult {
     firmware::build_named(boards::NUCLEO)?;
     let board = desktop::program("board", build)?;
     let compare = |script: &str, program: &str, with: PathBuf| {

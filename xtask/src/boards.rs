@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{Outcome, command};
+use crate::{JobResult, command};
 
 /// The board whose image is flashed and run in the model of the board.
 pub const NUCLEO: &str = "nucleo";
@@ -11,7 +11,7 @@ pub const QEMU: &str = "qemu";
 
 /// A board.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Board {
+pub struct BuiltBoard {
     /// Its folder's name, which is also that on the command line.
     pub name: String,
     /// Its name for people.
@@ -24,13 +24,13 @@ pub struct Board {
     pub chip: Option<String>,
 }
 
-impl Board {
+impl BuiltBoard {
     /// The feature of the package that stands for it.
     pub fn feature(&self) -> String {
         format!("board-{}", self.name)
     }
 
-    fn read(folder: &Path) -> Outcome<Self> {
+    fn read(folder: &Path) -> JobResult<Self> {
         let path = folder.join("board.toml");
         let text = std::fs::read_to_string(&path)
             .map_err(|e| format!("cannot read {}: {e}", path.display()))?;
@@ -62,7 +62,7 @@ fn folder() -> PathBuf {
 }
 
 /// Every board, by name.
-pub fn all() -> Outcome<Vec<Board>> {
+pub fn all() -> JobResult<Vec<BuiltBoard>> {
     let mut folders = Vec::new();
     for entry in std::fs::read_dir(folder())? {
         let path = entry?.path();
@@ -71,11 +71,14 @@ pub fn all() -> Outcome<Vec<Board>> {
         }
     }
     folders.sort();
-    folders.iter().map(|folder| Board::read(folder)).collect()
+    folders
+        .iter()
+        .map(|folder| BuiltBoard::read(folder))
+        .collect()
 }
 
 /// The board of that name.
-pub fn named(name: &str) -> Outcome<Board> {
+pub fn named(name: &str) -> JobResult<BuiltBoard> {
     let boards = all()?;
     let names: Vec<_> = boards.iter().map(|board| board.name.clone()).collect();
     let board = boards.into_iter().find(|board| board.name == name);
@@ -130,7 +133,7 @@ mod tests {
     #[test]
     fn what_a_descriptor_lacks_is_named() {
         let good = "name = \"A\"\nprograms = [\"a\"]\nflip-link = true\n";
-        let board = Board::parse("a", good).unwrap();
+        let board = BuiltBoard::parse("a", good).unwrap();
         assert!(board.flip_link && board.chip.is_none());
         assert_eq!(board.feature(), "board-a");
         for (without, named) in [
@@ -138,7 +141,7 @@ mod tests {
             ("programs = [\"a\"]\n", "`programs`"),
             ("flip-link = true\n", "`flip-link`"),
         ] {
-            let error = Board::parse("a", &good.replace(without, "")).unwrap_err();
+            let error = BuiltBoard::parse("a", &good.replace(without, "")).unwrap_err();
             assert!(error.contains(named), "{error}");
         }
     }

@@ -1,10 +1,10 @@
 //! What the images may take: `firmware/budgets.toml`.
 
-use crate::{Outcome, command};
+use crate::{JobResult, command};
 
 /// A budget against what was measured.
 #[derive(Debug, PartialEq)]
-pub struct Line {
+pub struct BudgetLine {
     /// What it is about, as in the file.
     pub of: String,
     /// The resource, with its unit.
@@ -15,7 +15,7 @@ pub struct Line {
     pub budget: u64,
 }
 
-impl Line {
+impl BudgetLine {
     fn kept(&self) -> bool {
         self.measured <= self.budget
     }
@@ -26,14 +26,14 @@ pub struct Budgets(toml::Table);
 
 impl Budgets {
     /// Reads the file.
-    pub fn read() -> Outcome<Self> {
+    pub fn read() -> JobResult<Self> {
         let path = command::root().join("firmware/budgets.toml");
         let text = std::fs::read_to_string(&path)
             .map_err(|e| format!("cannot read {}: {e}", path.display()))?;
         Self::parse(&text)
     }
 
-    fn parse(text: &str) -> Outcome<Self> {
+    fn parse(text: &str) -> JobResult<Self> {
         let table = text.parse::<toml::Table>();
         Ok(Self(
             table.map_err(|e| format!("firmware/budgets.toml: {e}"))?,
@@ -41,7 +41,7 @@ impl Budgets {
     }
 
     /// A measured value against its budget. One without a budget is an error: everything measured has one.
-    pub fn line(&self, of: &str, resource: &'static str, measured: u64) -> Outcome<Line> {
+    pub fn line(&self, of: &str, resource: &'static str, measured: u64) -> JobResult<BudgetLine> {
         let value = self.0.get(of).and_then(|section| section.get(resource));
         let budget = value
             .and_then(toml::Value::as_integer)
@@ -49,7 +49,7 @@ impl Budgets {
             .ok_or_else(|| {
                 format!("firmware/budgets.toml has no number for {resource} in [{of}]")
             })?;
-        Ok(Line {
+        Ok(BudgetLine {
             of: of.into(),
             resource,
             measured,
@@ -59,7 +59,7 @@ impl Budgets {
 }
 
 /// Prints the table; an error names what is over its budget.
-pub fn enforce(lines: &[Line]) -> Outcome {
+pub fn enforce(lines: &[BudgetLine]) -> JobResult {
     println!(
         "\n{:<14} {:<24} {:>9} {:>9} {:>9}",
         "what", "resource", "measured", "budget", "left"

@@ -10,8 +10,8 @@ use std::{
 };
 
 use crate::{
-    Outcome,
-    boards::{self, Board},
+    JobResult,
+    boards::{self, BuiltBoard},
     command::{self, cargo, run_tee},
     desktop::Build,
     dist, firmware, forecast, liveness, msrv, pil, site, size,
@@ -20,11 +20,11 @@ use crate::{
 };
 
 /// A step ends with a remark for the summary, often empty.
-type Step = (&'static str, fn() -> Outcome<String>);
+type Step = (&'static str, fn() -> JobResult<String>);
 
 /// What is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Part {
+pub enum CheckPart {
     /// Both halves, side by side.
     All,
     /// What needs no microcontroller.
@@ -63,7 +63,7 @@ const HOST: &[Step] = &[
     }),
     ("tests, host", host_tests),
     ("release archive", || {
-        silent(dist::run(&dist::Plan::Check, &Build::Tested))
+        silent(dist::run(&dist::DistPlan::Check, &Build::Tested))
     }),
 ];
 
@@ -93,7 +93,7 @@ const FIRMWARE: &[Step] = &[
     ("forecast in QEMU", || silent(forecast::run())),
     ("processor in the loop", || {
         let run = |plan| pil::run(plan, &Build::Tested);
-        silent(pil::Plan::checks().iter().try_for_each(run))
+        silent(pil::PilPlan::checks().iter().try_for_each(run))
     }),
     ("image in the model of the board", || {
         silent(crate::board::run(crate::board::SHORT, &Build::Tested))
@@ -101,12 +101,12 @@ const FIRMWARE: &[Step] = &[
     ("model's processor against Unicorn", oracle),
 ];
 
-fn silent(outcome: Outcome) -> Outcome<String> {
+fn silent(outcome: JobResult) -> JobResult<String> {
     outcome.map(|()| String::new())
 }
 
 /// A machine that cannot have Unicorn does without.
-fn oracle() -> Outcome<String> {
+fn oracle() -> JobResult<String> {
     match crate::board::oracle() {
         Ok(oracle) => silent(crate::board::compare(
             crate::board::FEW_STATES,
@@ -122,7 +122,7 @@ fn oracle() -> Outcome<String> {
 }
 
 /// A machine for which no browser, nothing to drive it, or no Rust for it can be had does without.
-fn page() -> Outcome<String> {
+fn page() -> JobResult<String> {
     let lacking = tools::wasm_toolchain().err();
     let lacking = lacking.or_else(|| tools::chromium().err());
     let lacking = lacking.or_else(|| crate::web::environment().err());
@@ -135,7 +135,7 @@ fn page() -> Outcome<String> {
 }
 
 /// Known faults are not looked up: they are fetched from the network, and may be new without any change here.
-fn dependencies() -> Outcome<String> {
+fn dependencies() -> JobResult<String> {
     if command::find("cargo-deny").is_none() {
         let remark = "skipped: no cargo-deny here; type: cargo install --locked cargo-deny";
         println!("{remark}");
@@ -147,13 +147,13 @@ fn dependencies() -> Outcome<String> {
     ))
 }
 
-fn board(board: &Board) -> Outcome<String> {
+fn board(board: &BuiltBoard) -> JobResult<String> {
     firmware::lint(board)?;
     firmware::build(board)?;
     Ok(format!("built with {}", tools::toolchain()?.describe()))
 }
 
-fn host_tests() -> Outcome<String> {
+fn host_tests() -> JobResult<String> {
     let lines = run_tee(
         cargo().args(["test", "--workspace", "--no-fail-fast"]),
         true,
@@ -175,21 +175,21 @@ fn passed(lines: &[String]) -> u32 {
 struct Row {
     name: &'static str,
     spent: Spent,
-    outcome: Outcome<String>,
+    outcome: JobResult<String>,
 }
 
 /// Runs a part, and says in the end what each step took.
-pub fn run(part: Part) -> Outcome {
+pub fn run(part: CheckPart) -> JobResult {
     match part {
-        Part::All => side_by_side(),
-        Part::Host => steps(&[HOST, OTHERS].concat()),
-        Part::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
-        Part::Beside => steps(&[FIRMWARE, OTHERS].concat()),
+        CheckPart::All => side_by_side(),
+        CheckPart::Host => steps(&[HOST, OTHERS].concat()),
+        CheckPart::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
+        CheckPart::Beside => steps(&[FIRMWARE, OTHERS].concat()),
     }
 }
 
 /// Runs the steps up to the first that fails.
-fn steps(steps: &[Step]) -> Outcome {
+fn steps(steps: &[Step]) -> JobResult {
     let mut rows: Vec<Row> = Vec::new();
     for (name, step) in steps {
         println!("\n=== {name} ===");
@@ -222,7 +222,7 @@ struct Beside {
 }
 
 impl Beside {
-    fn start() -> Outcome<Self> {
+    fn start() -> JobResult<Self> {
         let log = command::root().join("target/xtask-beside.log");
         let file = File::create(&log)?;
         let mut command = Command::new(env::current_exe()?);
@@ -242,7 +242,7 @@ impl Beside {
     }
 
     /// Waits for its end, and shows its output.
-    fn finish(mut self) -> Outcome {
+    fn finish(mut self) -> JobResult {
         println!("\nwaiting for firmware, page and Python package");
         // It gives up its own steps.
         let status = self.child.wait()?;
@@ -256,7 +256,7 @@ impl Beside {
     }
 }
 
-fn side_by_side() -> Outcome {
+fn side_by_side() -> JobResult {
     steps(&[TOOLS])?;
     let mut beside = Beside::start()?;
     if let Err(error) = steps(HOST) {

@@ -14,8 +14,8 @@ use std::{
 };
 
 use crate::{
-    Outcome,
-    liveness::{self, Watch},
+    JobResult,
+    liveness::{self, ProgramWatch},
 };
 
 /// The root of the project.
@@ -65,7 +65,7 @@ fn program(command: &Command) -> String {
         .into_owned()
 }
 
-fn spawn(command: &mut Command) -> Outcome<Child> {
+fn spawn(command: &mut Command) -> JobResult<Child> {
     let program = program(command);
     command
         .spawn()
@@ -76,7 +76,7 @@ fn spawn(command: &mut Command) -> Outcome<Child> {
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Runs to the end; a non-zero exit is an error, and so is one that does nothing any more.
-pub fn run(command: &mut Command) -> Outcome {
+pub fn run(command: &mut Command) -> JobResult {
     announce(command);
     let mut watch = watch(command)?;
     let mut child = spawn(command)?;
@@ -85,13 +85,13 @@ pub fn run(command: &mut Command) -> Outcome {
 }
 
 /// Runs to the end, however long a person leaves it alone.
-pub fn run_attended(command: &mut Command) -> Outcome {
+pub fn run_attended(command: &mut Command) -> JobResult {
     announce(command);
     let status = spawn(command)?.wait()?;
     passed(command, status)
 }
 
-fn passed(command: &Command, status: ExitStatus) -> Outcome {
+fn passed(command: &Command, status: ExitStatus) -> JobResult {
     if status.success() {
         Ok(())
     } else {
@@ -100,13 +100,13 @@ fn passed(command: &Command, status: ExitStatus) -> Outcome {
 }
 
 /// Runs like [`run`], passes the standard output on line by line, and returns it.
-pub fn run_tee(command: &mut Command, echo: bool) -> Outcome<Vec<String>> {
+pub fn run_tee(command: &mut Command, echo: bool) -> JobResult<Vec<String>> {
     tee(command, watch(command)?, echo)
 }
 
 /// The usual watch; cargo may wait for another cargo.
-fn watch(command: &Command) -> Result<Watch, String> {
-    let watch = Watch::new()?;
+fn watch(command: &Command) -> Result<ProgramWatch, String> {
+    let watch = ProgramWatch::new()?;
     Ok(if program(command).starts_with("cargo") {
         watch.waiting_alone()
     } else {
@@ -115,7 +115,7 @@ fn watch(command: &Command) -> Result<Watch, String> {
 }
 
 /// The same under this watch.
-pub fn tee(command: &mut Command, mut watch: Watch, echo: bool) -> Outcome<Vec<String>> {
+pub fn tee(command: &mut Command, mut watch: ProgramWatch, echo: bool) -> JobResult<Vec<String>> {
     announce(command);
     let name = program(command);
     let mut child = spawn(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
@@ -151,9 +151,9 @@ pub fn tee(command: &mut Command, mut watch: Watch, echo: bool) -> Outcome<Vec<S
 fn wait(
     child: &mut Child,
     name: &str,
-    watch: &mut Watch,
+    watch: &mut ProgramWatch,
     lines: impl Fn() -> usize,
-) -> Outcome<ExitStatus> {
+) -> JobResult<ExitStatus> {
     let mut looks: u32 = 0;
     loop {
         if let Some(status) = child.try_wait()? {
@@ -172,7 +172,7 @@ fn wait(
 }
 
 /// A program's standard output; on failure the last line it wrote, an error of apt's rather than a warning.
-pub fn output(command: &mut Command) -> Outcome<String> {
+pub fn output(command: &mut Command) -> JobResult<String> {
     let program = program(command);
     let output = command
         .stdin(Stdio::null())
@@ -234,8 +234,8 @@ mod tests {
 
     const SECOND: Duration = Duration::from_secs(1);
 
-    fn shell(script: &str, patience: Duration, limit: Option<Duration>) -> Outcome<Vec<String>> {
-        let watch = Watch::with(patience, limit);
+    fn shell(script: &str, patience: Duration, limit: Option<Duration>) -> JobResult<Vec<String>> {
+        let watch = ProgramWatch::with(patience, limit);
         tee(Command::new("sh").args(["-c", script]), watch, false)
     }
 
@@ -264,7 +264,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn what_may_wait_alone_is_ended_only_with_company() {
         let ends = |script: &str| {
-            let watch = Watch::with(SECOND, None).waiting_alone();
+            let watch = ProgramWatch::with(SECOND, None).waiting_alone();
             let ended = tee(Command::new("sh").args(["-c", script]), watch, false);
             ended.map_err(|error| error.to_string())
         };

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{cargo, run_tee},
 };
 
@@ -26,12 +26,12 @@ impl Build {
 }
 
 /// Builds the program of that name; where it is.
-pub fn program(name: &str, build: &Build) -> Outcome<PathBuf> {
+pub fn program(name: &str, build: &Build) -> JobResult<PathBuf> {
     built(name, build, |message| executable(name, message))
 }
 
 /// The shared library of that name, as the host tests have it; where it is.
-pub fn library(name: &str) -> Outcome<PathBuf> {
+pub fn library(name: &str) -> JobResult<PathBuf> {
     let ours = format!("/lib{name}.so");
     built(name, &Build::Tested, |message| {
         message
@@ -42,7 +42,7 @@ pub fn library(name: &str) -> Outcome<PathBuf> {
 }
 
 /// Builds, and finds what is looked for in Cargo's messages.
-fn built(name: &str, build: &Build, look: impl Fn(&str) -> Option<PathBuf>) -> Outcome<PathBuf> {
+fn built(name: &str, build: &Build, look: impl Fn(&str) -> Option<PathBuf>) -> JobResult<PathBuf> {
     let mut command = cargo();
     command.args(build.words(name));
     command.args(["--message-format", "json-render-diagnostics"]);

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::{
-    Outcome,
-    boards::{self, Board},
+    JobResult,
+    boards::{self, BuiltBoard},
     command,
     tools::{
         self, flip_link,
@@ -16,7 +16,7 @@ use crate::{
 const FIRMWARE: [&str; 5] = ["--profile", "firmware", "--package", "firmware", "--bins"];
 
 /// Builds all programs of a board and returns where they lie, relative to the root.
-pub fn build(board: &Board) -> Outcome<Vec<PathBuf>> {
+pub fn build(board: &BuiltBoard) -> JobResult<Vec<PathBuf>> {
     let toolchain = tools::toolchain()?;
     if board.flip_link {
         for program in &board.programs {
@@ -30,13 +30,13 @@ pub fn build(board: &Board) -> Outcome<Vec<PathBuf>> {
 }
 
 /// The same for the board of that name.
-pub fn build_named(name: &str) -> Outcome<Vec<PathBuf>> {
+pub fn build_named(name: &str) -> JobResult<Vec<PathBuf>> {
     build(&boards::named(name)?)
 }
 
 /// Builds a board's program with flip-link as its linker. Only that one crate is told: to cargo, another
 /// linker for the target is a reason to build everything anew, `core` too.
-fn link_flipped(toolchain: &Toolchain, board: &Board, program: &str) -> Outcome {
+fn link_flipped(toolchain: &Toolchain, board: &BuiltBoard, program: &str) -> JobResult {
     let flip_link = flip_link::provide()?;
     let mut cargo = toolchain.cargo("rustc");
     cargo
@@ -58,7 +58,7 @@ pub fn image(program: &str) -> PathBuf {
 
 /// Runs clippy over a board's programs, warnings being errors; says so where
 /// there is no clippy for the target.
-pub fn lint(board: &Board) -> Outcome {
+pub fn lint(board: &BuiltBoard) -> JobResult {
     let toolchain = tools::toolchain()?;
     if !toolchain.has_clippy() {
         println!("skipped: no clippy for {TARGET} here");
@@ -70,7 +70,7 @@ pub fn lint(board: &Board) -> Outcome {
 }
 
 /// Builds the model alone for the microcontroller: it must need nothing else.
-pub fn build_shared() -> Outcome {
+pub fn build_shared() -> JobResult {
     command::run(tools::toolchain()?.cargo("build").args([
         "--profile",
         "firmware",
@@ -80,7 +80,7 @@ pub fn build_shared() -> Outcome {
 }
 
 /// Links the control task's work alone, which fails if a panic can be reached in it.
-pub fn check_panic_free() -> Outcome {
+pub fn check_panic_free() -> JobResult {
     let mut cargo = tools::toolchain()?.cargo("build");
     cargo.args(FIRMWARE);
     command::run(cargo.args(["--features", "check-panic-free"]))

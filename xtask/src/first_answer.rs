@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf, process::Command};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo},
     timing::{self, Crate, Spent, Stopwatch},
 };
@@ -13,12 +13,12 @@ const LISTED: usize = 10;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Plan {
+pub struct FirstAnswerPlan {
     /// Also write the figures to this file.
     pub json: Option<PathBuf>,
 }
 
-impl Plan {
+impl FirstAnswerPlan {
     /// Reads the options behind `cargo xtask first-answer`.
     pub fn parse(words: &[&str]) -> Result<Self, String> {
         match words {
@@ -33,7 +33,7 @@ impl Plan {
 }
 
 /// Builds the program from nothing, asks it where to run, and prints what both took.
-pub fn run(plan: &Plan) -> Outcome {
+pub fn run(plan: &FirstAnswerPlan) -> JobResult {
     // Downloads depend on the network, not on the project.
     command::run(cargo().arg("fetch"))?;
     let folder = command::root().join("target/first-answer");
@@ -121,11 +121,15 @@ mod tests {
 
     #[test]
     fn options_are_read() {
-        assert_eq!(Plan::parse(&[]), Ok(Plan::default()));
-        let plan = Plan::parse(&["--json", "a.json"]).unwrap();
+        assert_eq!(FirstAnswerPlan::parse(&[]), Ok(FirstAnswerPlan::default()));
+        let plan = FirstAnswerPlan::parse(&["--json", "a.json"]).unwrap();
         assert_eq!(plan.json, Some("a.json".into()));
-        assert!(Plan::parse(&["--json"]).is_err());
-        assert!(Plan::parse(&["--fast"]).unwrap_err().contains("--fast"));
+        assert!(FirstAnswerPlan::parse(&["--json"]).is_err());
+        assert!(
+            FirstAnswerPlan::parse(&["--fast"])
+                .unwrap_err()
+                .contains("--fast")
+        );
     }
 
     #[test]

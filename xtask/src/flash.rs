@@ -3,8 +3,8 @@
 use std::process::Command;
 
 use crate::{
-    Outcome,
-    boards::Board,
+    JobResult,
+    boards::BuiltBoard,
     command::{self, find},
     firmware,
 };
@@ -21,7 +21,7 @@ fn advice() -> String {
 }
 
 /// Builds the board's program, flashes it, and shows its log until Ctrl-C.
-pub fn run(board: &Board) -> Outcome {
+pub fn run(board: &BuiltBoard) -> JobResult {
     let (Some(chip), Some(program)) = (&board.chip, board.programs.first()) else {
         return Err(format!("{} has no part to flash (board.toml: chip)", board.title).into());
     };

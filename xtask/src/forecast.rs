@@ -9,7 +9,7 @@ use shared::{
     model::params::{RigParams, WIRES},
 };
 
-use crate::{Outcome, firmware, qemu};
+use crate::{JobResult, firmware, qemu};
 
 /// The carts of the forecasts, and the instructions that each may cost in all. One that recoils rings after each contact, in
 /// shorter steps, and has twice as many derivatives.
@@ -23,7 +23,7 @@ const CARTS: [(&str, CartDrive, u64); 2] = [
 struct Said(BTreeMap<String, u64>);
 
 impl Said {
-    fn read(lines: &[String]) -> Outcome<Self> {
+    fn read(lines: &[String]) -> JobResult<Self> {
         if !lines.iter().any(|line| line == "end") {
             return Err("the forecast did not get to its end".into());
         }
@@ -33,18 +33,18 @@ impl Said {
         Ok(Self(numbers.collect()))
     }
 
-    fn number(&self, word: &str) -> Outcome<u64> {
+    fn number(&self, word: &str) -> JobResult<u64> {
         let number = self.0.get(word).copied();
         number.ok_or_else(|| format!("the forecast did not say `{word}`").into())
     }
 
-    fn instructions(&self, word: &str) -> Outcome<u64> {
+    fn instructions(&self, word: &str) -> JobResult<u64> {
         Ok(self.number(word)? * self.number("nanoseconds")?)
     }
 }
 
 /// The same forecast on this machine.
-fn here(cart: CartDrive) -> Outcome<Forecast> {
+fn here(cart: CartDrive) -> JobResult<Forecast> {
     let mut forecaster = Forecaster::new();
     forecaster.start(&ForecastRequest::bench(&RigParams { cart, ..WIRES }));
     while forecaster.slice() {}
@@ -53,7 +53,7 @@ fn here(cart: CartDrive) -> Outcome<Forecast> {
 }
 
 /// Runs the forecasts in QEMU, prints what they cost, and compares what they found. The firmware is built.
-pub fn run() -> Outcome {
+pub fn run() -> JobResult {
     let lines = qemu::start(&firmware::image("forecast"), &["-icount", "shift=0"], false)?;
     let said = Said::read(&lines)?;
     println!(
@@ -67,7 +67,7 @@ pub fn run() -> Outcome {
     Ok(())
 }
 
-fn compare(said: &Said, name: &str, cart: CartDrive, budget: u64) -> Outcome {
+fn compare(said: &Said, name: &str, cart: CartDrive, budget: u64) -> JobResult {
     let word = |word: &str| format!("{name}-{word}");
     let total = said.instructions(&word("total"))?;
     let worst = said.instructions(&word("worst"))?;
@@ -102,7 +102,7 @@ fn compare(said: &Said, name: &str, cart: CartDrive, budget: u64) -> Outcome {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> Outcome<Said> {
+    fn said(text: &str) -> JobResult<Said> {
         Said::read(&text.lines().map(str::to_owned).collect::<Vec<_>>())
     }
 

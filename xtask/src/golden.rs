@@ -11,7 +11,7 @@ use std::{
 use sha2::{Digest, Sha256};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo, root},
 };
 
@@ -67,7 +67,7 @@ fn requests() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Runs every request and compares the check sums of its answers with those of [`FILE`], or writes them there.
-pub fn run(write: bool) -> Outcome {
+pub fn run(write: bool) -> JobResult {
     command::run(cargo().args(["build", "--release", "--package", "host-sim"]))?;
     let mut program = root().join("target/release/host-sim");
     program.set_extension(std::env::consts::EXE_EXTENSION);
@@ -114,7 +114,7 @@ pub fn run(write: bool) -> Outcome {
 }
 
 /// Adds the sums of the CSV and JSON files below `folder`.
-fn add(sums: &mut BTreeMap<String, String>, folder: &Path, name: &str) -> Outcome {
+fn add(sums: &mut BTreeMap<String, String>, folder: &Path, name: &str) -> JobResult {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let file = path.file_name().unwrap_or_default().to_string_lossy();

@@ -25,7 +25,7 @@ const LIMIT: &str = "XTASK_STEP_LIMIT_S";
 const LONGEST_LOOK: Duration = Duration::from_secs(2);
 
 /// Watches one program.
-pub struct Watch {
+pub struct ProgramWatch {
     patience: Duration,
     limit: Option<Duration>,
     /// The most processor time it may use.
@@ -41,7 +41,7 @@ pub struct Watch {
     processor: Duration,
 }
 
-impl Watch {
+impl ProgramWatch {
     /// Watches with the usual patience, and the limit in the environment.
     pub fn new() -> Result<Self, String> {
         let limit = match env::var(LIMIT) {
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn output_or_work_keeps_a_program_alive_however_long_it_takes() {
-        let mut watch = Watch::with(minutes(5), None);
+        let mut watch = ProgramWatch::with(minutes(5), None);
         for second in 1..5_000 {
             // A twentieth of a processor, on a machine shared with many.
             assert!(watch.observe(SECOND, 0, second * SECOND / 20).is_ok());
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn silence_ends_it_when_patience_does() {
-        let mut watch = Watch::with(minutes(5), None);
+        let mut watch = ProgramWatch::with(minutes(5), None);
         assert!(watch.observe(SECOND, 3, 7 * SECOND).is_ok());
         let quiet = (0..1_000).take_while(|_| watch.observe(SECOND, 3, 7 * SECOND).is_ok());
         assert_eq!(quiet.count(), 299);
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_watch_that_waits_and_wakes_up_does_not_count_as_work() {
-        let mut watch = Watch::with(minutes(5), None);
+        let mut watch = ProgramWatch::with(minutes(5), None);
         // A millisecond of processor time a second.
         let mut looks = (1..1_000).map(|n| watch.observe(SECOND, 0, n * SECOND / 1_000));
         assert!(looks.any(|look| look.is_err()));
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn what_works_for_ever_is_ended_where_that_is_asked_for() {
-        let mut watch = Watch::with(minutes(5), None).working_at_most(minutes(10));
+        let mut watch = ProgramWatch::with(minutes(5), None).working_at_most(minutes(10));
         assert!(watch.observe(SECOND, 0, minutes(9)).is_ok());
         let error = watch.observe(SECOND, 0, minutes(10)).unwrap_err();
         assert!(error.contains("600 s of processor time"), "{error}");
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn a_machine_that_slept_is_not_silence() {
-        let mut watch = Watch::with(minutes(5), None);
+        let mut watch = ProgramWatch::with(minutes(5), None);
         assert!(watch.observe(minutes(600), 0, Duration::ZERO).is_ok());
     }
 

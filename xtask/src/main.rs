@@ -50,10 +50,10 @@ mod web;
 
 use std::process::ExitCode;
 
-use checks::Part;
+use checks::CheckPart;
 
 /// What a caretaker's job ends with; the error is meant to be read by a person.
-pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+pub type JobResult<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 const HELP: &str = "\
 cargo xtask COMMAND
@@ -101,14 +101,14 @@ cargo xtask COMMAND
 #[derive(Debug, PartialEq)]
 enum Job {
     Help,
-    Test(Part),
+    Test(CheckPart),
     Tools,
-    Firmware(Vec<boards::Board>),
+    Firmware(Vec<boards::BuiltBoard>),
     Qemu,
-    Pil(pil::Plan),
+    Pil(pil::PilPlan),
     Board(Vec<String>),
     Python(Vec<String>),
-    Dist(dist::Plan),
+    Dist(dist::DistPlan),
     /// Whether the pages alone are built.
     Site(bool),
     Web,
@@ -116,31 +116,31 @@ enum Job {
     Lab(Vec<String>),
     BenchTicks,
     Size,
-    FirstAnswer(first_answer::Plan),
+    FirstAnswer(first_answer::FirstAnswerPlan),
     /// Whether the check sums are written anew.
     Golden(bool),
     Msrv,
     OldestRust,
-    Flash(boards::Board),
+    Flash(boards::BuiltBoard),
 }
 
 fn parse(args: &[&str]) -> Result<Job, String> {
     let named = |name| boards::named(name).map_err(|error| error.to_string());
     match args {
         [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
-        ["test"] => Ok(Job::Test(Part::All)),
-        ["test", "--host"] => Ok(Job::Test(Part::Host)),
-        ["test", "--firmware"] => Ok(Job::Test(Part::Firmware)),
+        ["test"] => Ok(Job::Test(CheckPart::All)),
+        ["test", "--host"] => Ok(Job::Test(CheckPart::Host)),
+        ["test", "--firmware"] => Ok(Job::Test(CheckPart::Firmware)),
         // For `test` itself.
-        ["test", "--beside"] => Ok(Job::Test(Part::Beside)),
+        ["test", "--beside"] => Ok(Job::Test(CheckPart::Beside)),
         ["tools"] => Ok(Job::Tools),
         ["firmware"] => boards::all().map(Job::Firmware).map_err(|e| e.to_string()),
         ["firmware", "--board", name] => named(name).map(|board| Job::Firmware(vec![board])),
         ["qemu"] => Ok(Job::Qemu),
-        ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
+        ["pil", options @ ..] => pil::PilPlan::parse(options).map(Job::Pil),
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
         ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
-        ["dist", options @ ..] => dist::Plan::parse(options).map(Job::Dist),
+        ["dist", options @ ..] => dist::DistPlan::parse(options).map(Job::Dist),
         ["site"] => Ok(Job::Site(false)),
         ["site", "--check"] => Ok(Job::Site(true)),
         ["web"] => Ok(Job::Web),
@@ -148,7 +148,9 @@ fn parse(args: &[&str]) -> Result<Job, String> {
             words.iter().map(|&word| word.into()).collect(),
         )),
         ["lab", words @ ..] => Ok(Job::Lab(words.iter().map(|&word| word.into()).collect())),
-        ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
+        ["first-answer", options @ ..] => {
+            first_answer::FirstAnswerPlan::parse(options).map(Job::FirstAnswer)
+        }
         ["golden"] => Ok(Job::Golden(false)),
         ["golden", "--write"] => Ok(Job::Golden(true)),
         ["msrv"] => Ok(Job::Msrv),
@@ -164,7 +166,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
     }
 }
 
-fn run(job: Job) -> Outcome {
+fn run(job: Job) -> JobResult {
     match job {
         Job::Help => print!("{HELP}"),
         Job::Test(part) => checks::run(part)?,
@@ -268,11 +270,11 @@ mod tests {
 
     #[test]
     fn one_half_of_the_checks_can_be_chosen() {
-        assert_eq!(parse(&["test"]), Ok(Job::Test(Part::All)));
-        assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(Part::Host)));
+        assert_eq!(parse(&["test"]), Ok(Job::Test(CheckPart::All)));
+        assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(CheckPart::Host)));
         assert_eq!(
             parse(&["test", "--firmware"]),
-            Ok(Job::Test(Part::Firmware))
+            Ok(Job::Test(CheckPart::Firmware))
         );
         assert!(parse(&["test", "--half"]).is_err());
     }

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo},
     tools::toolchain::version_of,
 };
@@ -12,7 +12,7 @@ use crate::{
 pub const OLDEST: &str = env!("CARGO_PKG_RUST_VERSION");
 
 /// Checks the workspace with that Rust where it is installed; else says that it did not. Returns a remark.
-pub fn run() -> Outcome<String> {
+pub fn run() -> JobResult<String> {
     let Some(mut cargo) = oldest_cargo() else {
         let remark = format!(
             "skipped: Rust {OLDEST} is not installed; type: rustup toolchain install --profile minimal {OLDEST}"

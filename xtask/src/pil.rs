@@ -11,11 +11,11 @@ use std::{
 };
 
 use crate::{
-    Outcome, boards,
+    JobResult, boards,
     command::{self, announce},
     desktop::{self, Build},
     firmware,
-    liveness::{self, Watch},
+    liveness::{self, ProgramWatch},
     qemu,
 };
 
@@ -24,7 +24,7 @@ const AFTER: Duration = Duration::from_secs(20);
 
 /// What is run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct PilPlan {
     /// Scenario, by name or file.
     pub scenario: String,
     /// Rig time of each run, s; `None`: the scenario's.
@@ -33,7 +33,7 @@ pub struct Plan {
     pub runs: u32,
 }
 
-impl Default for Plan {
+impl Default for PilPlan {
     /// The field scenario, as long as it is.
     fn default() -> Self {
         Self {
@@ -44,7 +44,7 @@ impl Default for Plan {
     }
 }
 
-impl Plan {
+impl PilPlan {
     /// What every change is checked with: half of the field scenario, to Hold and on (90 s), a crash with the reset and
     /// the record after it (30 s), and ten runs of 10 s of a beam rig, each with its own noise.
     pub fn checks() -> [Self; 3] {
@@ -114,7 +114,7 @@ struct Pipes {
 }
 
 impl Pipes {
-    fn new() -> Outcome<Self> {
+    fn new() -> JobResult<Self> {
         let folder = std::env::temp_dir().join(format!("vibro-pil-{}", std::process::id()));
         std::fs::create_dir_all(&folder)?;
         let pipes = Self {
@@ -138,7 +138,7 @@ impl Drop for Pipes {
 }
 
 /// Builds both halves and runs them.
-pub fn run(plan: &Plan, build: &Build) -> Outcome {
+pub fn run(plan: &PilPlan, build: &Build) -> JobResult {
     firmware::build_named(boards::QEMU)?;
     let program = desktop::program("host-sim", build)?;
     let pipes = Pipes::new()?;
@@ -169,14 +169,14 @@ pub fn run(plan: &Plan, build: &Build) -> Outcome {
 }
 
 /// Waits for both; sides that do nothing any more, or one that goes on without the other, are ended.
-fn both(image: &mut Child, desktop: &mut Child) -> Outcome {
+fn both(image: &mut Child, desktop: &mut Child) -> JobResult {
     let mut watches = [
         (
-            Watch::new()?.working_at_most(2 * qemu::MOST_WORK),
+            ProgramWatch::new()?.working_at_most(2 * qemu::MOST_WORK),
             "QEMU",
             image.id(),
         ),
-        (Watch::new()?, "the desktop", desktop.id()),
+        (ProgramWatch::new()?, "the desktop", desktop.id()),
     ];
     let mut left_alone = false;
     loop {
@@ -192,7 +192,7 @@ fn both(image: &mut Child, desktop: &mut Child) -> Outcome {
             // What is left to do is to see the closed pipe, and to print.
             left_alone = true;
             for (watch, ..) in &mut watches {
-                *watch = Watch::with(AFTER, None).working_at_most(2 * qemu::MOST_WORK);
+                *watch = ProgramWatch::with(AFTER, None).working_at_most(2 * qemu::MOST_WORK);
             }
         }
         let running = [image_ended.is_none(), desktop_ended.is_none()];
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn options_are_read_and_passed_on() {
         let plan =
-            Plan::parse(&["--scenario", "field", "--seconds", "2.5", "--runs", "3"]).unwrap();
+            PilPlan::parse(&["--scenario", "field", "--seconds", "2.5", "--runs", "3"]).unwrap();
         assert_eq!(plan.runs, 3);
         let pipes = Pipes {
             folder: PathBuf::from("nowhere"),
@@ -226,15 +226,15 @@ mod tests {
             words,
             "pil --scenario field --runs 3 --seconds 2.5 --requests a --replies b"
         );
-        assert_eq!(Plan::parse(&[]).unwrap(), Plan::default());
+        assert_eq!(PilPlan::parse(&[]).unwrap(), PilPlan::default());
         assert!(
-            Plan::parse(&["--runs", "0"])
+            PilPlan::parse(&["--runs", "0"])
                 .unwrap_err()
                 .contains("--runs 0")
         );
-        assert!(Plan::parse(&["--runs"]).is_err());
+        assert!(PilPlan::parse(&["--runs"]).is_err());
         assert!(
-            Plan::parse(&["--speed", "9"])
+            PilPlan::parse(&["--speed", "9"])
                 .unwrap_err()
                 .contains("--speed")
         );

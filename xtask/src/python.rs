@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, find, root},
     desktop::{self, Build},
 };
@@ -28,7 +28,7 @@ const NOTEBOOKS: &[&str] = &[
 
 /// Runs the package's tests with the words given: of a wheel installed into `target/python`, or with the library that the host tests
 /// have built, which a wheel would build again.
-pub fn run(words: &[&str], build: &Build) -> Outcome {
+pub fn run(words: &[&str], build: &Build) -> JobResult {
     let environment = own_environment()?;
     if let Err(error) = command::run(pip(&environment).args(NOTEBOOKS)) {
         println!("the notebooks and the Dask cluster are left out: {error}");
@@ -50,7 +50,7 @@ pub fn run(words: &[&str], build: &Build) -> Outcome {
 }
 
 /// The folder with the package and its library in it, as a wheel has them.
-fn laid_out(library: &Path) -> Outcome<PathBuf> {
+fn laid_out(library: &Path) -> JobResult<PathBuf> {
     let place = root().join("target/python-package");
     let package = place.join("vibroimpact");
     if place.exists() {
@@ -68,19 +68,19 @@ fn laid_out(library: &Path) -> Outcome<PathBuf> {
 }
 
 /// Builds the wheel and installs it into the environment.
-pub fn install(environment: &Path) -> Outcome {
+pub fn install(environment: &Path) -> JobResult {
     let wheel = wheel(environment)?;
     let mut install = pip(environment);
     command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))
 }
 
 /// The environment in `target/python`, with what builds the package and runs its tests in it.
-pub fn own_environment() -> Outcome<PathBuf> {
+pub fn own_environment() -> JobResult<PathBuf> {
     environment("python", PACKAGES)
 }
 
 /// The environment in the folder `target/NAME`, with these packages in it.
-pub fn environment(name: &str, packages: &[&str]) -> Outcome<PathBuf> {
+pub fn environment(name: &str, packages: &[&str]) -> JobResult<PathBuf> {
     let place = root().join("target").join(name);
     if !place.join("bin/python").exists() {
         make_environment(&place)?;
@@ -90,7 +90,7 @@ pub fn environment(name: &str, packages: &[&str]) -> Outcome<PathBuf> {
 }
 
 /// Makes an empty environment.
-pub fn make_environment(place: &Path) -> Outcome {
+pub fn make_environment(place: &Path) -> JobResult {
     let python = find("python3").ok_or(ADVICE)?;
     let mut make = Command::new(python);
     make.args(["-m", "venv"]).arg(place);
@@ -113,7 +113,7 @@ pub fn pip(environment: &Path) -> Command {
 }
 
 /// The wheel, in the profile of the tests: the same numbers as a release, compiled once for both.
-fn wheel(environment: &Path) -> Outcome<PathBuf> {
+fn wheel(environment: &Path) -> JobResult<PathBuf> {
     let place = root().join("target/wheels");
     if place.exists() {
         fs::remove_dir_all(&place)?;

@@ -3,8 +3,8 @@
 use object::{Object, ObjectSegment, ObjectSymbol, read::elf::ElfFile32};
 
 use crate::{
-    Outcome, boards,
-    budgets::{Budgets, Line, enforce},
+    JobResult, boards,
+    budgets::{BudgetLine, Budgets, enforce},
     command, firmware, qemu,
 };
 
@@ -23,7 +23,7 @@ struct Size {
 }
 
 /// Adds up what is loaded into flash and what occupies RAM.
-fn measure(elf: &[u8]) -> Outcome<Size> {
+fn measure(elf: &[u8]) -> JobResult<Size> {
     let file: ElfFile32 = ElfFile32::parse(elf)?;
     let mut size = Size::default();
     for segment in file.segments() {
@@ -55,7 +55,7 @@ struct Run {
 }
 
 /// Reads the app's last lines.
-fn parse(lines: &[String]) -> Outcome<Run> {
+fn parse(lines: &[String]) -> JobResult<Run> {
     let numbers = |head: &str| -> Option<Vec<u64>> {
         let line = lines.iter().find_map(|line| line.strip_prefix(head))?;
         let words = line.split(|c: char| !c.is_ascii_digit());
@@ -77,7 +77,7 @@ fn parse(lines: &[String]) -> Outcome<Run> {
 }
 
 /// Builds the images, runs the app, prints the table and holds it to the budgets.
-pub fn run() -> Outcome {
+pub fn run() -> JobResult {
     let budgets = Budgets::read()?;
     let mut lines = Vec::new();
     // The boards whose stack has what the variables leave.
@@ -102,7 +102,7 @@ pub fn run() -> Outcome {
     let run = parse(&qemu::run()?)?;
     lines.push(budgets.line("run", "stack_used_bytes", run.stack)?);
     // The same controller's peak must fit in there.
-    lines.extend(left_for_stack.into_iter().map(|(of, budget)| Line {
+    lines.extend(left_for_stack.into_iter().map(|(of, budget)| BudgetLine {
         of,
         resource: "stack_of_what_is_left",
         measured: run.stack,

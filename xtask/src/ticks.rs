@@ -7,7 +7,7 @@
 //! out and summed up. They are instructions of the tick's work, without entering
 //! and leaving the interrupt, and say nothing about cycles.
 
-use crate::{Outcome, boards, firmware, qemu};
+use crate::{JobResult, boards, firmware, qemu};
 
 /// What the program measured, in counts of its stopwatch.
 #[derive(Debug, Default, PartialEq)]
@@ -30,7 +30,7 @@ enum Kind {
 }
 
 /// Reads the program's lines; others than its own are passed over.
-fn parse(lines: &[String]) -> Outcome<Measured> {
+fn parse(lines: &[String]) -> JobResult<Measured> {
     let mut measured = Measured::default();
     let mut ended = false;
     for line in lines {
@@ -100,7 +100,7 @@ fn summarize(rising: &[u64]) -> Option<Summary> {
 }
 
 /// Measures and prints the table.
-pub fn run() -> Outcome {
+pub fn run() -> JobResult {
     firmware::build_named(boards::QEMU)?;
     let lines = qemu::start(&firmware::image("ticks"), &["-icount", "shift=0"], false)?;
     let measured = parse(&lines)?;

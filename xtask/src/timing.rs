@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::Outcome;
+use crate::JobResult;
 
 /// Processor time of all programs that were started from here, directly or not, and have ended.
 #[cfg(unix)]
@@ -71,7 +71,7 @@ impl Stopwatch {
 const FILE: &str = "XTASK_RUSTC_TIMES";
 
 /// Has a cargo command write each compilation's time to `file`.
-pub fn record(cargo: &mut Command, file: &Path) -> Outcome {
+pub fn record(cargo: &mut Command, file: &Path) -> JobResult {
     fs::write(file, "")?;
     cargo
         .env("RUSTC_WRAPPER", env::current_exe()?)
@@ -132,7 +132,7 @@ pub struct Crate {
 }
 
 /// Sums up the file's lines by crate, the dearest first.
-pub fn crates(text: &str) -> Outcome<Vec<Crate>> {
+pub fn crates(text: &str) -> JobResult<Vec<Crate>> {
     let mut crates: Vec<Crate> = Vec::new();
     for line in text.lines() {
         let words: Vec<&str> = line.split(' ').collect();

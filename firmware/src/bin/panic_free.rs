@@ -14,11 +14,11 @@ use cortex_m_rt::entry;
 use firmware::{
     BLOCK_TICKS,
     bench::Bench,
-    interlock::{Inputs, Interlock},
+    interlock::{Inputs, InterlockInputs},
     ramp::Ramp,
     record_keeper::RecordKeeper,
-    recorder::Recorder,
-    reference::Watch,
+    recorder::ControlRecorder,
+    reference::RunReadings,
 };
 use shared::control::{BootInfo, Controller, Lockstep, MAX_BLOCK};
 use shared::io::{Frame, Output};
@@ -55,13 +55,14 @@ fn board(settings: &Settings) {
     let Ok(controller) = Controller::new(settings, &black_box(BootInfo::STORED)) else {
         return;
     };
-    let mut recorder = Recorder::new(controller);
+    let mut recorder = ControlRecorder::new(controller);
     let mut bench = Bench::new(settings);
     let mut outputs = black_box([Output::SAFE; BLOCK_TICKS]);
     let mut frames = [Frame::default(); BLOCK_TICKS];
     recorder.record(black_box(true));
     let (mut ramp, mut keeper) = black_box((Ramp::default(), RecordKeeper::default()));
-    let (mut interlock, mut reference) = black_box((Interlock::default(), Watch::default()));
+    let (mut interlock, mut reference) =
+        black_box((InterlockInputs::default(), RunReadings::default()));
     let inputs = Inputs {
         dropped: true,
         ready: true,

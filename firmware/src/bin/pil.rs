@@ -27,7 +27,7 @@ mod app {
     };
 
     /// Input and output of the control task.
-    pub struct Block {
+    pub struct PilBlock {
         frames: Vec<Frame, MAX_BLOCK>,
         blind: bool,
         outputs: Vec<Output, MAX_BLOCK>,
@@ -38,7 +38,7 @@ mod app {
     #[shared]
     struct Shared {
         lockstep: Option<Lockstep>,
-        block: Block,
+        block: PilBlock,
     }
 
     #[local]
@@ -48,7 +48,7 @@ mod app {
 
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
-        let block = Block {
+        let block = PilBlock {
             frames: Vec::new(),
             blind: false,
             outputs: Vec::new(),
@@ -126,7 +126,7 @@ mod app {
     }
 
     /// The slices of the forecast, and the reply.
-    fn answer(slot: &mut Option<Lockstep>, block: &mut Block, slices: u16) -> ExchangeReply {
+    fn answer(slot: &mut Option<Lockstep>, block: &mut PilBlock, slices: u16) -> ExchangeReply {
         let Some(lockstep) = slot else {
             return ExchangeReply::Noted;
         };

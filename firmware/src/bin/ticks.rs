@@ -13,7 +13,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use firmware::{
     hardware::board::{self, Stopwatch},
-    model::Model,
+    model::DrivenModel,
 };
 
 /// Runs of each tick; one clock count is then 40/64 of an instruction.
@@ -23,7 +23,8 @@ const SETTLING_PERIODS: u32 = 64;
 
 #[entry]
 fn main() -> ! {
-    let (Some(peripherals), Ok(mut model)) = (cortex_m::Peripherals::take(), Model::new()) else {
+    let (Some(peripherals), Ok(mut model)) = (cortex_m::Peripherals::take(), DrivenModel::new())
+    else {
         board::exit(false);
     };
     let stopwatch = Stopwatch::start(peripherals.SYST);
@@ -58,7 +59,7 @@ fn main() -> ! {
 
 /// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `model`.
 #[inline(never)]
-fn counts(stopwatch: &Stopwatch, model: &Model, work: impl Fn(&mut Model)) -> u32 {
+fn counts(stopwatch: &Stopwatch, model: &DrivenModel, work: impl Fn(&mut DrivenModel)) -> u32 {
     let start = stopwatch.now();
     for _ in 0..REPEATS {
         let mut copy = *black_box(model);

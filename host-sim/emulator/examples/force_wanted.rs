@@ -6,7 +6,7 @@
 //! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out.
 
 use emulator::local::Local;
-use emulator::record::{BlockRow, Contact, Observer};
+use emulator::record::{BlockRow, RunObserver, TrueContact};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
@@ -36,8 +36,8 @@ struct Peaks {
     holds: bool,
 }
 
-impl Observer for Peaks {
-    fn contact(&mut self, contact: &Contact) {
+impl RunObserver for Peaks {
+    fn contact(&mut self, contact: &TrueContact) {
         if contact.onset_s > FROM_S {
             self.sum_n += contact.peak_force_n;
             self.count += 1.0;

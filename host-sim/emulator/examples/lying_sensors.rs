@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use emulator::local::Local;
-use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ struct Truth {
     on: bool,
 }
 
-impl Observer for Truth {
+impl RunObserver for Truth {
     fn tick(&mut self, row: &TickRow) {
         self.on = row.output.enable;
         if self.on {
@@ -43,7 +43,7 @@ impl Observer for Truth {
             self.travel_mm = self.travel_mm.max(travel_mm);
         }
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         if self.on {
             self.force_n = self.force_n.max(contact.peak_force_n);
         }
@@ -51,8 +51,8 @@ impl Observer for Truth {
     fn block(&mut self, row: &BlockRow) {
         self.is_limited |= !row.status.limits.is_empty();
     }
-    fn event(&mut self, event: &Event) {
-        if let EventKind::Fault { fault, origin, .. } = event.what {
+    fn event(&mut self, event: &RunEvent) {
+        if let RunEventKind::Fault { fault, origin, .. } = event.what {
             self.fault.get_or_insert((fault, origin, event.time_s));
         }
     }

@@ -5,16 +5,16 @@
 //! M ÿ = Fs − m (ÿ + δ̈), so ÿ = (Fs − m d0)/(M + m (1 − d1)). On a tilted rig gravity g sin α acts along the travel on
 //! both: on the hammer as an inertial acceleration does.
 
-use shared::model::rig::{Kinematics, Mode, Rig};
+use shared::model::rig::{Kinematics, Rig, SwitchMode};
 
 use super::cart::Mounting;
-use super::ground::Ground;
+use super::ground::PlantGround;
 use super::motor::Motor;
-use super::shaker::{Gains, Loop, Path};
+use super::shaker::{Gains, Loop, SetPointPath};
 
 /// Where both bodies are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub struct BodiesState {
     /// The hammer's coordinate relative to the cart ([`shared::model::rig`]).
     pub q: f64,
     /// Its rate.
@@ -33,7 +33,7 @@ pub struct State {
     pub front: f64,
 }
 
-impl State {
+impl BodiesState {
     /// `weight` times `other` on top.
     #[inline]
     fn plus(&self, other: &Self, weight: f64) -> Self {
@@ -52,7 +52,7 @@ impl State {
 
 /// Integrated beside the motion: where energy and momentum went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals {
+pub struct PlantTotals {
     /// ∫F dt of the contact force, N·s.
     pub impulse: f64,
     /// Energy the contact took, J.
@@ -67,7 +67,7 @@ pub struct Totals {
     pub cart_work: f64,
 }
 
-impl Totals {
+impl PlantTotals {
     /// `weight` times `other` on top.
     #[inline]
     pub fn add(&mut self, other: &Self, weight: f64) {
@@ -82,7 +82,7 @@ impl Totals {
 
 /// What both bodies are under during a tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Bodies {
+pub struct PlantBodies {
     /// The hammer.
     pub rig: Rig<f64>,
     /// M, kg.
@@ -92,47 +92,47 @@ pub struct Bodies {
     /// How it is mounted.
     pub mounting: Mounting,
     /// Ground that gives way, in place of the rig's contact.
-    pub ground: Option<Ground>,
+    pub ground: Option<PlantGround>,
     /// Gravity along the cart's travel, m/s²: of a rig that is tilted.
     pub along: f64,
     /// Speed that the motor is to have, rad/s.
     pub wanted_rad_s: f64,
     /// The set-point over the tick.
-    pub path: Path,
+    pub path: SetPointPath,
     /// Whether the drive is enabled.
     pub on: bool,
     /// Side of the switch.
-    pub mode: Mode,
+    pub mode: SwitchMode,
     /// δ̇⁻ of the contact, m/s.
     pub approach: f64,
 }
 
 /// Rates at a point, and what acts there.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Rates {
+pub struct PlantRates {
     /// Rate of the state.
-    pub state: State,
+    pub state: BodiesState,
     /// Contact force, N.
     pub force: f64,
     /// Rates of the totals.
-    pub powers: Totals,
+    pub powers: PlantTotals,
 }
 
-impl Bodies {
+impl PlantBodies {
     /// Position of the hammer relative to the surface.
     #[inline]
-    pub fn kinematics(&self, state: &State) -> Kinematics<f64> {
+    pub fn kinematics(&self, state: &BodiesState) -> Kinematics<f64> {
         self.rig.kinematics(state.q, state.v)
     }
 
     /// Rates at `state`, `s` seconds into the tick.
     #[inline]
-    pub fn rates(&self, state: &State, s: f64) -> Rates {
+    pub fn rates(&self, state: &BodiesState, s: f64) -> PlantRates {
         let (rig, v) = (&self.rig, state.v);
         let at = self.kinematics(state);
         let force = match self.mode {
-            Mode::Flight => 0.0,
-            Mode::Contact => self.contact_force(&at, state),
+            SwitchMode::Flight => 0.0,
+            SwitchMode::Contact => self.contact_force(&at, state),
         };
         let m = rig.mass();
         // The hammer relative to the cart as a function of the cart's acceleration.
@@ -150,8 +150,8 @@ impl Bodies {
             Loop::Prescribed => self.prescribed(state, want.2, &hammer),
             Loop::Crank(motor) => self.cranked(motor, state, &hammer),
         };
-        Rates {
-            state: State {
+        PlantRates {
+            state: BodiesState {
                 q: v,
                 v: still - per_drive * cart.acceleration,
                 y: cart.speed,
@@ -162,7 +162,7 @@ impl Bodies {
                 front: self.ground.map_or(0.0, |g| g.front_rate(&at, state.front)),
             },
             force,
-            powers: Totals {
+            powers: PlantTotals {
                 impulse: force,
                 contact_work: rig.contact_power(&at, v, force),
                 shaker_impulse: cart.drive_n,
@@ -175,7 +175,7 @@ impl Bodies {
 
     /// The force of the contact, N, negative where its law would pull.
     #[inline]
-    pub fn contact_force(&self, at: &Kinematics<f64>, state: &State) -> f64 {
+    pub fn contact_force(&self, at: &Kinematics<f64>, state: &BodiesState) -> f64 {
         match &self.ground {
             None => self.rig.force(at, self.approach),
             Some(ground) => ground.force(at, state.front),
@@ -202,7 +202,13 @@ impl Bodies {
 
     /// The cart under a shaker.
     #[inline]
-    fn pushed(&self, gains: &Gains, state: &State, want: (f64, f64, f64), hammer: &Hammer) -> Cart {
+    fn pushed(
+        &self,
+        gains: &Gains,
+        state: &BodiesState,
+        want: (f64, f64, f64),
+        hammer: &Hammer,
+    ) -> Cart {
         let (mounted_n, bend_rate, mut lost_w) = self.mounted(state.y, state.w, state.p);
         let (drive_n, drive_speed, on_cart, inner_acceleration) = match &gains.armature {
             None => {
@@ -232,7 +238,7 @@ impl Bodies {
 
     /// The cart on its prescribed course.
     #[inline]
-    fn prescribed(&self, state: &State, acceleration: f64, hammer: &Hammer) -> Cart {
+    fn prescribed(&self, state: &BodiesState, acceleration: f64, hammer: &Hammer) -> Cart {
         let drive_n = hammer.moved * acceleration + hammer.pull;
         Cart {
             speed: state.w,
@@ -245,7 +251,7 @@ impl Bodies {
 
     /// The cart on its crank.
     #[inline]
-    fn cranked(&self, motor: &Motor, state: &State, hammer: &Hammer) -> Cart {
+    fn cranked(&self, motor: &Motor, state: &BodiesState, hammer: &Hammer) -> Cart {
         let (position, slope, bend) = motor.crank(state.z);
         let speed = slope * state.u;
         let (mounted_n, bend_rate, lost_w) = self.mounted(position, speed, state.p);
@@ -269,7 +275,13 @@ impl Bodies {
 
     /// Runge and Kutta's fourth-order step of length `h` from `s` seconds into the tick; adds to `totals`.
     #[inline]
-    pub fn step(&self, from: &State, s: f64, h: f64, totals: &mut Totals) -> State {
+    pub fn step(
+        &self,
+        from: &BodiesState,
+        s: f64,
+        h: f64,
+        totals: &mut PlantTotals,
+    ) -> BodiesState {
         let half = 0.5 * h;
         let a = self.rates(from, s);
         let b = self.rates(&from.plus(&a.state, half), s + half);
@@ -280,10 +292,10 @@ impl Bodies {
         totals.add(&b.powers, inner);
         totals.add(&c.powers, inner);
         totals.add(&d.powers, outer);
-        let sum = |f: fn(&State) -> f64| {
+        let sum = |f: fn(&BodiesState) -> f64| {
             f(from) + outer * (f(&a.state) + f(&d.state)) + inner * (f(&b.state) + f(&c.state))
         };
-        let mut state = State {
+        let mut state = BodiesState {
             q: sum(|x| x.q),
             v: sum(|x| x.v),
             y: sum(|x| x.y),
@@ -302,14 +314,14 @@ impl Bodies {
     }
 
     /// > 0 in contact, < 0 in flight; what the switch is located by.
-    pub fn indicator(&self, state: &State) -> f64 {
+    pub fn indicator(&self, state: &BodiesState) -> f64 {
         let at = self.kinematics(state);
         if let Some(ground) = &self.ground {
             return ground.indicator(self.mode, &at, state.front);
         }
         match self.mode {
-            Mode::Flight => self.rig.indicator(&at, at.rate.max(0.0)),
-            Mode::Contact => {
+            SwitchMode::Flight => self.rig.indicator(&at, at.rate.max(0.0)),
+            SwitchMode::Contact => {
                 let law = self.rig.law();
                 law.release_indicator(at.delta, at.rate, self.approach)
             }
@@ -317,7 +329,7 @@ impl Bodies {
     }
 
     /// Contact force at `state` and its rate of change, N and N/s.
-    pub fn force_and_rate(&self, state: &State, s: f64) -> (f64, f64) {
+    pub fn force_and_rate(&self, state: &BodiesState, s: f64) -> (f64, f64) {
         let at = self.kinematics(state);
         let rates = self.rates(state, s);
         let change = self
@@ -333,7 +345,7 @@ impl Bodies {
 
     /// Mechanical energy of both bodies, the support, armature or crank and mounting, fixed frame, without the
     /// surface's, J.
-    pub fn energy_j(&self, state: &State) -> f64 {
+    pub fn energy_j(&self, state: &BodiesState) -> f64 {
         let at = self.kinematics(state);
         let (m, w) = (self.rig.mass(), state.w);
         let both = self.cart_mass_kg + m;
@@ -360,7 +372,7 @@ impl Bodies {
     }
 
     /// Horizontal momentum of both bodies, fixed frame, kg·m/s.
-    pub fn momentum(&self, state: &State) -> f64 {
+    pub fn momentum(&self, state: &BodiesState) -> f64 {
         let at = self.kinematics(state);
         let m = self.rig.mass();
         (self.cart_mass_kg + m) * state.w + m * at.rate

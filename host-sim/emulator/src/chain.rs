@@ -38,14 +38,14 @@ impl InputPin for Pin {
 
 /// The chain.
 #[derive(Clone, Debug)]
-pub struct Chain {
+pub struct EmergencyChain {
     open: bool,
     pin: NormallyClosed<Pin>,
     /// When it opens or closes next, s.
     flips: Vec<(f64, bool)>,
 }
 
-impl Default for Chain {
+impl Default for EmergencyChain {
     /// Closed.
     fn default() -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Default for Chain {
     }
 }
 
-impl Chain {
+impl EmergencyChain {
     /// It opens or closes at `at_s`, within the next tick.
     pub fn flip(&mut self, open: bool, at_s: f64) {
         self.flips.push((at_s, open));
@@ -106,7 +106,7 @@ mod tests {
 
     /// The ticks in which it is seen open, of an open of `for_s` that begins in a tick's share `at`.
     fn seen(at: f64, for_s: f64) -> Vec<usize> {
-        let mut chain = Chain::default();
+        let mut chain = EmergencyChain::default();
         let (opens_s, closes_s) = (at * TICK_S, at * TICK_S + for_s);
         let ticks = 0..60;
         let sees = |k: &usize| {

@@ -4,12 +4,12 @@
 //! relaxed, as the spring-dashpot of a surface that stays is.
 
 use shared::model::contact::Law;
-use shared::model::rig::{Kinematics, Mode};
+use shared::model::rig::{Kinematics, SwitchMode};
 use shared::model::slider::{Slider, Touch};
 
 /// The ground, and whether it gives way at the moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
+pub struct PlantGround {
     /// Stiffness, damping, threshold.
     pub slider: Slider<f64>,
     /// The feed makes up for the progress with this time constant, s.
@@ -18,7 +18,7 @@ pub struct Ground {
     pub slipping: bool,
 }
 
-impl Ground {
+impl PlantGround {
     /// How hammer and ground touch, in contact.
     fn touch(&self) -> Touch {
         if self.slipping {
@@ -57,15 +57,15 @@ impl Ground {
 
     /// Positive in contact while neither the hammer leaves nor the ground begins or ends to give way; in flight negative
     /// until the hammer meets the ground.
-    pub fn indicator(&self, mode: Mode, at: &Kinematics<f64>, front: f64) -> f64 {
+    pub fn indicator(&self, mode: SwitchMode, at: &Kinematics<f64>, front: f64) -> f64 {
         let e = at.delta - front;
         match mode {
-            Mode::Flight => {
+            SwitchMode::Flight => {
                 let (stiffness, damping) = (self.slider.stiffness, self.slider.damping);
                 Law::SpringDashpot { stiffness, damping }.indicator(e, at.rate, 0.0)
             }
-            Mode::Contact if self.slipping => self.front_rate(at, front),
-            Mode::Contact => {
+            SwitchMode::Contact if self.slipping => self.front_rate(at, front),
+            SwitchMode::Contact => {
                 let force = self.slider.held_force(e, at.rate);
                 force.min(self.slider.threshold - force)
             }

@@ -20,7 +20,7 @@ use files::UserError;
 
 /// The first difference between the two.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
+pub struct LoopDifference {
     /// Control tick after the block, on the desktop.
     pub tick: u32,
     /// What was said there and here.
@@ -35,7 +35,7 @@ pub struct InTheLoop<R, W> {
     desktop: Lockstep,
     status: Status,
     events: VecDeque<Event>,
-    difference: Option<Difference>,
+    difference: Option<LoopDifference>,
     broken: Option<String>,
     /// Instructions of each block at control priority, and its ticks.
     blocks: Vec<(u32, u32)>,
@@ -73,7 +73,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
     }
 
     /// Where the two first differed; none: nowhere.
-    pub fn difference(&self) -> Option<&Difference> {
+    pub fn difference(&self) -> Option<&LoopDifference> {
         self.difference.as_ref()
     }
 
@@ -123,7 +123,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
             *instructions = 0;
         }
         if self.difference.is_none() && bytes(&bare) != bytes(&here) {
-            self.difference = Some(Difference {
+            self.difference = Some(LoopDifference {
                 tick: self.desktop.controller.status().tick,
                 text: format!("there {bare:?}\nhere  {here:?}"),
             });
@@ -312,7 +312,7 @@ mod tests {
         }
     }
 
-    fn run(spoil: impl Fn(u32, &mut Output) + Send + 'static) -> (u64, Option<Difference>) {
+    fn run(spoil: impl Fn(u32, &mut Output) + Send + 'static) -> (u64, Option<LoopDifference>) {
         let (near, far) = UnixStream::pair().unwrap();
         let other = std::thread::spawn(move || answer(far, spoil));
         let settings = Settings::for_rig(&WIRES);

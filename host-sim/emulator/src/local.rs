@@ -3,7 +3,7 @@
 use shared::control::{
     BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status, Unfit,
 };
-use shared::fault::{Persisted, Record};
+use shared::fault::{FaultRecord, Persisted};
 use shared::io::{Frame, Output};
 use shared::model::params::ParamError;
 use shared::settings::Settings;
@@ -44,7 +44,7 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
     // A crash writes its record itself, before the program starts anew.
     let left = memory.record().filter(|_| !power_on);
     let record = if cause == Reset::Crash {
-        Some(Record::CRASH.after(left))
+        Some(FaultRecord::CRASH.after(left))
     } else {
         left
     };

@@ -11,10 +11,10 @@ use std::f64::consts::TAU;
 use shared::model::params::RigParams;
 use shared::settings::TICK_S;
 
-use super::bodies::State;
+use super::bodies::BodiesState;
 use super::cart::Mounting;
-use super::plant::{Drive, Plant};
-use super::shaker::Path;
+use super::plant::{Plant, ShakerDrive};
+use super::shaker::SetPointPath;
 use numerics::branch::{Branch, one_one_branches};
 use numerics::orbit::{Orbit, shoot};
 use numerics::pick::search::maximise;
@@ -59,7 +59,7 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
 
 /// The strongest 1/1 of `rig` with a cart that recoils on its `drive` and `mounting`, near the one under prescribed
 /// motion.
-pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option<Optimum> {
+pub fn two_bodies(rig: &RigParams, drive: &ShakerDrive, mounting: &Mounting) -> Option<Optimum> {
     let (branch, top) = prescribed(rig)?;
     let orbit = |hz: f64| branch.at(rig, hz);
     around(rig, drive, mounting, top.frequency_hz, orbit)
@@ -70,7 +70,7 @@ pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option
 pub fn two_bodies_at(
     rig: &RigParams,
     amplitude_m: f64,
-    drive: &Drive,
+    drive: &ShakerDrive,
     mounting: &Mounting,
 ) -> [Option<Optimum>; 2] {
     let other = RigParams {
@@ -102,7 +102,7 @@ pub fn two_bodies_at(
 /// The strongest near the reference's optimum at `top_hz`, each run started on the reference's `orbit` at its frequency.
 fn around(
     rig: &RigParams,
-    drive: &Drive,
+    drive: &ShakerDrive,
     mounting: &Mounting,
     top_hz: f64,
     orbit: impl Fn(f64) -> Option<Orbit>,
@@ -170,12 +170,12 @@ pub fn held_force(
         omega,
         amplitude_m: rig.amplitude_m,
     };
-    run.plant.set_state(State {
+    run.plant.set_state(BodiesState {
         q: section[0],
         v: section[1],
         y: 0.0,
         w: rig.amplitude_m * omega,
-        ..State::default()
+        ..BodiesState::default()
     });
     let mut last = None;
     for settle in SETTLED {
@@ -237,7 +237,7 @@ impl Sine {
         let (mut sin, mut cos) = (0.0, 1.0);
         for k in 1..=self.ticks {
             let next = (TAU * f64::from(k) / count).sin_cos();
-            let path = Path::new(tick_s, (a * sin, w * cos), (a * next.0, w * next.1));
+            let path = SetPointPath::new(tick_s, (a * sin, w * cos), (a * next.0, w * next.1));
             (sin, cos) = next;
             self.plant.tick(path, true);
             for contact in self.plant.finished() {

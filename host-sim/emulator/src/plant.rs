@@ -12,15 +12,15 @@ use std::f64::consts::TAU;
 
 use numerics::root::narrowed;
 use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams};
-use shared::model::rig::{Kinematics, Mode, Rig};
+use shared::model::rig::{Kinematics, Rig, SwitchMode};
 
-use super::bodies::{Bodies, State, Totals};
+use super::bodies::{BodiesState, PlantBodies, PlantTotals};
 use super::cart::{Friction, Mounting};
 use super::motor::Motor;
-use super::record::Contact;
+use super::record::TrueContact;
 #[doc(inline)]
-pub use super::shaker::Drive;
-use super::shaker::{Gains, Loop, Path, ShakerParams};
+pub use super::shaker::ShakerDrive;
+use super::shaker::{Gains, Loop, SetPointPath, ShakerParams};
 use rest::{rest, upright};
 
 /// Force samples per tick; also the steps per tick in contact, 5 µs each at 20 kHz.
@@ -38,7 +38,7 @@ const SHORTEST_S: f64 = 1e-12;
 
 /// A largest force within a contact: what makes the surface ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blow {
+pub struct PlantBlow {
     /// When, s into the tick.
     pub at_s: f64,
     /// How large, N.
@@ -48,20 +48,20 @@ pub struct Blow {
 /// Hammer, cart and shaker.
 #[derive(Clone, Debug)]
 pub struct Plant {
-    bodies: Bodies,
-    state: State,
+    bodies: PlantBodies,
+    state: BodiesState,
     /// Where `state` has the hammer, and the clearance that goes with it.
     at: Kinematics<f64>,
     gap_m: f64,
     tick_s: f64,
     ticks: u64,
-    totals: Totals,
-    open: Option<Contact>,
+    totals: PlantTotals,
+    open: Option<TrueContact>,
     rising: bool,
     inner: [f64; INNER],
     touched: bool,
-    finished: Vec<Contact>,
-    blows: Vec<Blow>,
+    finished: Vec<TrueContact>,
+    blows: Vec<PlantBlow>,
     progress_m: f64,
 }
 
@@ -73,7 +73,7 @@ impl Plant {
     pub fn new(params: &RigParams, shaker: &ShakerParams, tick_s: f64) -> Result<Self, ParamError> {
         Self::mounted(
             params,
-            &Drive::Shaker(*shaker),
+            &ShakerDrive::Shaker(*shaker),
             &Mounting::default(),
             tick_s,
         )
@@ -84,7 +84,12 @@ impl Plant {
     /// # Errors
     /// The first parameter out of range.
     pub fn prescribed(params: &RigParams, tick_s: f64) -> Result<Self, ParamError> {
-        Self::mounted(params, &Drive::Prescribed, &Mounting::default(), tick_s)
+        Self::mounted(
+            params,
+            &ShakerDrive::Prescribed,
+            &Mounting::default(),
+            tick_s,
+        )
     }
 
     /// At rest, moved by `drive`, with its cart mounted so.
@@ -93,20 +98,20 @@ impl Plant {
     /// The first parameter out of range.
     pub fn mounted(
         params: &RigParams,
-        drive: &Drive,
+        drive: &ShakerDrive,
         mounting: &Mounting,
         tick_s: f64,
     ) -> Result<Self, ParamError> {
         let shaker = match drive {
-            Drive::Shaker(shaker) => Loop::Force(Gains::new(shaker, params.cart_mass_kg)),
-            Drive::Prescribed => Loop::Prescribed,
-            Drive::Motor(motor) => Loop::Crank(Motor::new(motor)),
+            ShakerDrive::Shaker(shaker) => Loop::Force(Gains::new(shaker, params.cart_mass_kg)),
+            ShakerDrive::Prescribed => Loop::Prescribed,
+            ShakerDrive::Motor(motor) => Loop::Crank(Motor::new(motor)),
         };
         let rig = Rig::new(&upright(params, mounting.tilt_rad))?;
         let along = GRAVITY_M_PER_S2 * mounting.tilt_rad.sin();
         let state = rest(&rig, &shaker, params, along);
         let mut plant = Self {
-            bodies: Bodies {
+            bodies: PlantBodies {
                 rig,
                 cart_mass_kg: params.cart_mass_kg,
                 shaker,
@@ -114,9 +119,9 @@ impl Plant {
                 ground: None,
                 along,
                 wanted_rad_s: 0.0,
-                path: Path::default(),
+                path: SetPointPath::default(),
                 on: false,
-                mode: Mode::Flight,
+                mode: SwitchMode::Flight,
                 approach: 0.0,
             },
             state,
@@ -124,7 +129,7 @@ impl Plant {
             gap_m: params.gap_m,
             tick_s,
             ticks: 0,
-            totals: Totals::default(),
+            totals: PlantTotals::default(),
             open: None,
             rising: false,
             inner: [0.0; INNER],
@@ -152,15 +157,15 @@ impl Plant {
     }
 
     /// Where both bodies are.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &BodiesState {
         &self.state
     }
 
     /// Places both bodies, out of contact.
-    pub fn set_state(&mut self, state: State) {
+    pub fn set_state(&mut self, state: BodiesState) {
         self.state = state;
         self.at = self.bodies.kinematics(&state);
-        self.bodies.mode = Mode::Flight;
+        self.bodies.mode = SwitchMode::Flight;
         self.open = None;
         if self.bodies.indicator(&state) > 0.0 {
             self.begin_contact(0.0);
@@ -168,12 +173,12 @@ impl Plant {
     }
 
     /// What acts.
-    pub fn bodies(&self) -> &Bodies {
+    pub fn bodies(&self) -> &PlantBodies {
         &self.bodies
     }
 
     /// Where energy and momentum went since the start.
-    pub fn totals(&self) -> &Totals {
+    pub fn totals(&self) -> &PlantTotals {
         &self.totals
     }
 
@@ -203,12 +208,12 @@ impl Plant {
     }
 
     /// Contacts that ended during the tick.
-    pub fn finished(&self) -> &[Contact] {
+    pub fn finished(&self) -> &[TrueContact] {
         &self.finished
     }
 
     /// Largest forces passed during the tick.
-    pub fn blows(&self) -> &[Blow] {
+    pub fn blows(&self) -> &[PlantBlow] {
         &self.blows
     }
 
@@ -225,7 +230,7 @@ impl Plant {
     /// # Errors
     /// The first parameter out of range.
     pub fn set_rig(&mut self, params: &RigParams) -> Result<bool, ParamError> {
-        if self.bodies.mode == Mode::Contact {
+        if self.bodies.mode == SwitchMode::Contact {
             return Ok(false);
         }
         let tilt_rad = self.bodies.mounting.tilt_rad;
@@ -260,7 +265,7 @@ impl Plant {
 
     /// One tick along `path` with the drive enabled or not.
     #[inline]
-    pub fn tick(&mut self, path: Path, on: bool) {
+    pub fn tick(&mut self, path: SetPointPath, on: bool) {
         self.bodies.path = path;
         self.bodies.on = on;
         self.finished.clear();
@@ -269,7 +274,7 @@ impl Plant {
             self.inner = [0.0; INNER];
             self.touched = false;
         }
-        if self.bodies.mode == Mode::Contact || !self.fly() {
+        if self.bodies.mode == SwitchMode::Contact || !self.fly() {
             self.careful_tick();
             self.at = self.bodies.kinematics(&self.state);
         }
@@ -299,10 +304,10 @@ impl Plant {
         while s < self.tick_s {
             let grid = self.next_grid(s);
             let h = match self.bodies.mode {
-                Mode::Contact => grid.1 - s,
+                SwitchMode::Contact => grid.1 - s,
                 // Just released and still inside the surface: short steps, so that no hop is stepped over.
-                Mode::Flight if self.bodies.kinematics(&self.state).delta > 0.0 => grid.1 - s,
-                Mode::Flight => self.tick_s - s,
+                SwitchMode::Flight if self.bodies.kinematics(&self.state).delta > 0.0 => grid.1 - s,
+                SwitchMode::Flight => self.tick_s - s,
             };
             let free = switches < MAX_SWITCHES;
             match self.switch_within(s, h).filter(|_| free) {
@@ -315,7 +320,7 @@ impl Plant {
                 None => {
                     self.advance(s, h);
                     s = if h == grid.1 - s { grid.1 } else { self.tick_s };
-                    if self.bodies.mode == Mode::Contact && s == grid.1 {
+                    if self.bodies.mode == SwitchMode::Contact && s == grid.1 {
                         let at = self.bodies.kinematics(&self.state);
                         let force = self.bodies.contact_force(&at, &self.state);
                         self.inner[grid.0] = force.max(0.0);
@@ -345,16 +350,16 @@ impl Plant {
     /// How far into a step of length `h` from `s` the mode's side of the switch is left, if it is.
     fn switch_within(&self, s: f64, h: f64) -> Option<f64> {
         let bodies = &self.bodies;
-        let end_of = |part: f64| bodies.step(&self.state, s, part, &mut Totals::default());
+        let end_of = |part: f64| bodies.step(&self.state, s, part, &mut PlantTotals::default());
         let sign = match bodies.mode {
-            Mode::Flight => 1.0,
-            Mode::Contact => -1.0,
+            SwitchMode::Flight => 1.0,
+            SwitchMode::Contact => -1.0,
         };
         let left = |part: f64| sign * bodies.indicator(&end_of(part)) > 0.0;
         let mut beyond = h;
         if !left(h) {
             // Only a hammer that comes and turns away within the step can have touched.
-            if bodies.mode == Mode::Contact {
+            if bodies.mode == SwitchMode::Contact {
                 return None;
             }
             let (from, to) = (
@@ -377,11 +382,11 @@ impl Plant {
     /// Goes `h` on from `s`.
     fn advance(&mut self, s: f64, h: f64) {
         let before = self.state;
-        let mut totals = Totals::default();
+        let mut totals = PlantTotals::default();
         self.state = self.bodies.step(&before, s, h, &mut totals);
         self.totals.add(&totals, 1.0);
         self.progress_m += self.state.front - before.front;
-        if self.bodies.mode == Mode::Contact {
+        if self.bodies.mode == SwitchMode::Contact {
             self.keep(&before, s, h, &totals);
         }
     }

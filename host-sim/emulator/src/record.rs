@@ -78,7 +78,7 @@ pub struct BlockRow<'a> {
 
 /// A contact as it truly was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Contact {
+pub struct TrueContact {
     /// When it began, s of rig time.
     pub onset_s: f64,
     /// How long it lasted, s.
@@ -99,19 +99,19 @@ pub struct Contact {
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Event {
+pub struct RunEvent {
     /// Tick of the run.
     pub tick: u64,
     /// True rig time, s.
     pub time_s: f64,
     /// What.
-    pub what: EventKind,
+    pub what: RunEventKind,
 }
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum EventKind {
+pub enum RunEventKind {
     /// The scenario did something to the rig, its sensors or the controller.
     Scenario {
         /// In words.
@@ -146,22 +146,22 @@ pub enum EventKind {
 }
 
 /// Watches a run. Every method has a default that does nothing.
-pub trait Observer {
+pub trait RunObserver {
     /// A tick is done.
     fn tick(&mut self, _row: &TickRow) {}
     /// A block is done; its ticks came before.
     fn block(&mut self, _row: &BlockRow) {}
     /// A contact ended.
-    fn contact(&mut self, _contact: &Contact) {}
+    fn contact(&mut self, _contact: &TrueContact) {}
     /// Something happened.
-    fn event(&mut self, _event: &Event) {}
+    fn event(&mut self, _event: &RunEvent) {}
 }
 
 /// Watches nothing.
-impl Observer for () {}
+impl RunObserver for () {}
 
 /// Both watch.
-impl<A: Observer, B: Observer> Observer for (A, B) {
+impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
     fn tick(&mut self, row: &TickRow) {
         self.0.tick(row);
         self.1.tick(row);
@@ -170,27 +170,27 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
         self.0.block(row);
         self.1.block(row);
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         self.0.contact(contact);
         self.1.contact(contact);
     }
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         self.0.event(event);
         self.1.event(event);
     }
 }
 
-impl<T: Observer + ?Sized> Observer for &mut T {
+impl<T: RunObserver + ?Sized> RunObserver for &mut T {
     fn tick(&mut self, row: &TickRow) {
         (**self).tick(row);
     }
     fn block(&mut self, row: &BlockRow) {
         (**self).block(row);
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         (**self).contact(contact);
     }
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         (**self).event(event);
     }
 }

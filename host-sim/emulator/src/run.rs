@@ -7,10 +7,10 @@ use shared::control::{self, Command, MAX_BLOCK};
 use shared::io::{Frame, Output};
 
 use super::names::{basin_name, state_name};
-use super::record::{BlockRow, Event, EventKind, Given, Observer, TickRow};
+use super::record::{BlockRow, Given, RunEvent, RunEventKind, RunObserver, TickRow};
 use super::scenario::Scenario;
 use super::schedule::{Doing, Due, Spell, schedule};
-use super::summary::Summary;
+use super::summary::RunSummary;
 use super::under_test::{ControlUnderTest, Reset};
 use super::world::World;
 use files::UserError;
@@ -25,8 +25,8 @@ const ALIVE_EVERY: Duration = Duration::from_millis(500);
 pub fn run(
     scenario: &Scenario,
     control: &mut impl ControlUnderTest,
-    observer: &mut impl Observer,
-) -> Result<Summary, UserError> {
+    observer: &mut impl RunObserver,
+) -> Result<RunSummary, UserError> {
     let mut run = Run::new(scenario, control, observer)?;
     for _ in 0..scenario.blocks() {
         run.block();
@@ -55,10 +55,10 @@ pub struct Run<C, O> {
     outputs: [Output; MAX_BLOCK],
     given: Vec<Given>,
     was_on: bool,
-    summary: Summary,
+    summary: RunSummary,
 }
 
-impl<C: ControlUnderTest, O: Observer> Run<C, O> {
+impl<C: ControlUnderTest, O: RunObserver> Run<C, O> {
     /// Before its first block.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
             outputs: [Output::SAFE; MAX_BLOCK],
             given: Vec::new(),
             was_on: false,
-            summary: Summary::new(scenario),
+            summary: RunSummary::new(scenario),
             scenario: scenario.clone(),
         })
     }
@@ -96,7 +96,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
     }
 
     /// What was counted until now, and who watched.
-    pub fn finish(self) -> (Summary, O) {
+    pub fn finish(self) -> (RunSummary, O) {
         (self.summary, self.observer)
     }
 
@@ -113,8 +113,8 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
     }
 
     /// Reports an event to the summary and the observer.
-    fn happened(&mut self, what: EventKind) {
-        let event = Event {
+    fn happened(&mut self, what: RunEventKind) {
+        let event = RunEvent {
             tick: self.tick,
             time_s: self.time_s(),
             what,
@@ -174,7 +174,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
         let output = self.outputs[k];
         if output.enable != self.was_on {
             self.was_on = output.enable;
-            self.happened(EventKind::Drive { on: output.enable });
+            self.happened(RunEventKind::Drive { on: output.enable });
         }
         let frame = self.world.tick(&output);
         self.frames[k] = frame;
@@ -209,7 +209,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
                 self.waiting.push(due);
                 continue;
             }
-            self.happened(EventKind::Scenario { text: due.text });
+            self.happened(RunEventKind::Scenario { text: due.text });
             match due.what {
                 Doing::Emergency(open, at_s) => self.world.set_emergency(open, at_s),
                 Doing::Defects(id, defects) => self.world.begin_defects(id, &defects),
@@ -230,7 +230,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
     /// Carries out the due events of the controller.
     fn between(&mut self) {
         for due in std::mem::take(&mut self.waiting) {
-            self.happened(EventKind::Scenario { text: due.text });
+            self.happened(RunEventKind::Scenario { text: due.text });
             match due.what {
                 Doing::Command(command) => {
                     match command {
@@ -256,7 +256,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
         let refused = self.control.command(command).err();
         if let Some(why) = refused {
             let text = format!("refused: {why:?}");
-            self.happened(EventKind::Said { text });
+            self.happened(RunEventKind::Said { text });
         }
         self.given.push(Given::Command { command, refused });
     }
@@ -282,7 +282,7 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
     /// The controller reported an event.
     fn reported(&mut self, event: &control::Event) {
         let what = match event.kind {
-            control::EventKind::State { from, to } => EventKind::State {
+            control::EventKind::State { from, to } => RunEventKind::State {
                 from: state_name(from),
                 to: state_name(to),
             },
@@ -290,13 +290,13 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
                 // The controller counts its ticks from 1 at its start.
                 let tick = self.born + u64::from(record.tick).saturating_sub(1);
                 self.summary.fault(&record, tick.min(self.tick));
-                EventKind::Fault {
+                RunEventKind::Fault {
                     fault: record.fault,
                     origin: record.origin,
                     value: record.value,
                 }
             }
-            other => EventKind::Said {
+            other => RunEventKind::Said {
                 text: in_words(&other),
             },
         };

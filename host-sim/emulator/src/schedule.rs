@@ -3,7 +3,7 @@
 use shared::control::Command;
 
 use super::cart::Friction;
-use super::scenario::{Act, Change, Scenario, Stuck, Timed};
+use super::scenario::{RigChange, Scenario, ScenarioAct, Stuck, Timed};
 use super::sensors::Defect;
 use super::under_test::Reset;
 use super::world::Recession;
@@ -39,7 +39,7 @@ pub enum Doing {
     /// Blocks whose samples are lost.
     Lost(Spell),
     /// The rig changes, over so many seconds.
-    Drift(Change, f64),
+    Drift(RigChange, f64),
     /// The surface recedes; none: no more.
     Recede(Option<Recession>),
     /// The drive no longer obeys its enable line, or does again.
@@ -140,38 +140,43 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
 }
 
 /// The action of an act with this number at this time, and the one that ends it after so many seconds.
-fn doing(act: &Act, id: usize, at_s: f64, scenario: &Scenario) -> (Doing, Option<(f64, Doing)>) {
+fn doing(
+    act: &ScenarioAct,
+    id: usize,
+    at_s: f64,
+    scenario: &Scenario,
+) -> (Doing, Option<(f64, Doing)>) {
     let command = |command| (Doing::Command(command), None);
     match *act {
-        Act::Start { mode } => command(Command::Start(mode.into())),
-        Act::Stop {} => command(Command::Stop),
-        Act::ClearFault {} => command(Command::ClearFault),
-        Act::Acknowledge {} => command(Command::Acknowledge),
-        Act::SetPoint {
+        ScenarioAct::Start { mode } => command(Command::Start(mode.into())),
+        ScenarioAct::Stop {} => command(Command::Stop),
+        ScenarioAct::ClearFault {} => command(Command::ClearFault),
+        ScenarioAct::Acknowledge {} => command(Command::Acknowledge),
+        ScenarioAct::SetPoint {
             frequency_hz,
             amplitude_mm,
         } => command(Command::SetPoint {
             frequency_hz: frequency_hz as f32,
             amplitude_m: (1e-3 * amplitude_mm) as f32,
         }),
-        Act::Link {} => (Doing::Link(true), None),
-        Act::LinkLoss {} => (Doing::Link(false), None),
-        Act::EmergencyStop { for_s } => {
+        ScenarioAct::Link {} => (Doing::Link(true), None),
+        ScenarioAct::LinkLoss {} => (Doing::Link(false), None),
+        ScenarioAct::EmergencyStop { for_s } => {
             let end = for_s.map(|s| (s, Doing::Emergency(false, at_s + s)));
             (Doing::Emergency(true, at_s), end)
         }
-        Act::SensorFault(how) => {
+        ScenarioAct::SensorFault(how) => {
             let end = how.for_s.map(|s| (s, Doing::DefectsOver(id)));
             (Doing::Defects(id, act.defects()), end)
         }
-        Act::Push { speed_m_per_s } => (Doing::Push(speed_m_per_s), None),
-        Act::Overrun { blocks, every } => (Doing::Overrun(Spell::new(blocks, every)), None),
-        Act::LostBlock { blocks, every } => (Doing::Lost(Spell::new(blocks, every)), None),
-        Act::Drift { .. } => {
+        ScenarioAct::Push { speed_m_per_s } => (Doing::Push(speed_m_per_s), None),
+        ScenarioAct::Overrun { blocks, every } => (Doing::Overrun(Spell::new(blocks, every)), None),
+        ScenarioAct::LostBlock { blocks, every } => (Doing::Lost(Spell::new(blocks, every)), None),
+        ScenarioAct::Drift { .. } => {
             let (change, over_s) = act.change().unwrap_or_default();
             (Doing::Drift(change, over_s), None)
         }
-        Act::Recede {
+        ScenarioAct::Recede {
             mm_per_j,
             mm_per_s,
             up_to_mm,
@@ -185,17 +190,17 @@ fn doing(act: &Act, id: usize, at_s: f64, scenario: &Scenario) -> (Doing, Option
             let end = for_s.map(|s| (s, Doing::Recede(None)));
             (Doing::Recede(Some(recession)), end)
         }
-        Act::StuckDrive { how, for_s } => {
+        ScenarioAct::StuckDrive { how, for_s } => {
             let end = for_s.map(|s| (s, Doing::Stuck(None)));
             (Doing::Stuck(Some(how)), end)
         }
-        Act::Tilt { degrees, over_s } => (Doing::Tilt(degrees.to_radians(), over_s), None),
-        Act::CartFriction { for_s, .. } => {
+        ScenarioAct::Tilt { degrees, over_s } => (Doing::Tilt(degrees.to_radians(), over_s), None),
+        ScenarioAct::CartFriction { for_s, .. } => {
             let before = scenario.mounting.friction;
             let end = for_s.map(|s| (s, Doing::Friction(before)));
             // Its numbers were checked when it was read.
             (Doing::Friction(act.friction().unwrap_or_default()), end)
         }
-        Act::Reset { cause } => (Doing::Reset(cause), None),
+        ScenarioAct::Reset { cause } => (Doing::Reset(cause), None),
     }
 }

@@ -14,16 +14,16 @@ use shared::io::AdcCode;
 use shared::settings::Settings;
 
 use super::filter::Butterworth;
-use super::plant::{Blow, INNER, Plant};
-use line::Line;
-pub use line::{Defect, End};
+use super::plant::{INNER, Plant, PlantBlow};
+use line::SensorLine;
+pub use line::{BadContactEnd, Defect};
 
 /// Below this, N, the force signal's filter and ringing are at rest.
 const QUIET_N: f64 = 1e-6;
 
 /// One sensor's errors, in the sensor's unit (N or m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct SensorErrors {
     /// Added to the value.
     pub offset: f64,
     /// The value is read 1 + this times too large.
@@ -36,11 +36,11 @@ pub struct Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorParams {
     /// Force, N.
-    pub force: Errors,
+    pub force: SensorErrors,
     /// Hammer displacement, m.
-    pub hammer: Errors,
+    pub hammer: SensorErrors,
     /// Cart displacement, m.
-    pub cart: Errors,
+    pub cart: SensorErrors,
     /// Corner of the force signal's anti-alias filter, Hz.
     pub force_filter_hz: f64,
     /// Corner of the displacements' anti-alias filters, Hz.
@@ -53,7 +53,7 @@ pub struct SensorParams {
     pub ringing_decay_s: f64,
 }
 
-impl Sensor {
+impl EmulatedSensor {
     /// All, in the order of their codes.
     pub const ALL: [Self; 3] = [Self::Force, Self::Hammer, Self::Cart];
 }
@@ -61,9 +61,9 @@ impl Sensor {
 impl Default for SensorParams {
     fn default() -> Self {
         Self {
-            force: Errors::default(),
-            hammer: Errors::default(),
-            cart: Errors::default(),
+            force: SensorErrors::default(),
+            hammer: SensorErrors::default(),
+            cart: SensorErrors::default(),
             force_filter_hz: 6000.0,
             displacement_filter_hz: 2000.0,
             ringing_hz: RINGING_HZ,
@@ -76,7 +76,7 @@ impl Default for SensorParams {
 /// A sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Sensor {
+pub enum EmulatedSensor {
     /// Contact force.
     Force,
     /// Hammer displacement.
@@ -135,7 +135,7 @@ impl Ringing {
 /// Force and displacement sensors.
 #[derive(Clone, Debug)]
 pub struct Sensors {
-    lines: [Line; 3],
+    lines: [SensorLine; 3],
     force_filter: Butterworth,
     filters: [Butterworth; 2],
     ringing: Ringing,
@@ -152,9 +152,9 @@ impl Sensors {
         let displacement = Butterworth::new(params.displacement_filter_hz, tick_s);
         Self {
             lines: [
-                Line::new(settings.force, params.force, tick_s),
-                Line::new(settings.hammer, params.hammer, tick_s),
-                Line::new(settings.cart, params.cart, tick_s),
+                SensorLine::new(settings.force, params.force, tick_s),
+                SensorLine::new(settings.hammer, params.hammer, tick_s),
+                SensorLine::new(settings.cart, params.cart, tick_s),
             ],
             force_filter: Butterworth::new(params.force_filter_hz, inner_s),
             filters: [displacement.clone(), displacement],
@@ -169,7 +169,7 @@ impl Sensors {
     }
 
     /// A sensor gets a defect, on top of those it has; `id` ends it again.
-    pub fn begin(&mut self, sensor: Sensor, id: usize, defect: Defect) {
+    pub fn begin(&mut self, sensor: EmulatedSensor, id: usize, defect: Defect) {
         self.noisy |= matches!(defect, Defect::Dead(Some(_)));
         self.lines[sensor as usize].begin(id, defect);
         self.wire();
@@ -182,12 +182,12 @@ impl Sensors {
     }
 
     fn wire(&mut self) {
-        self.swapped = self.lines.iter().any(Line::is_swapped);
+        self.swapped = self.lines.iter().any(SensorLine::is_swapped);
     }
 
     /// Whether a sensor is defective.
     pub fn is_defective(&self) -> bool {
-        self.lines.iter().any(Line::is_defective)
+        self.lines.iter().any(SensorLine::is_defective)
     }
 
     /// Codes of force, hammer and cart at the end of the plant's tick.
@@ -206,14 +206,17 @@ impl Sensors {
             *code = line.read(value, noise);
         }
         if self.swapped {
-            codes.swap(Sensor::Hammer as usize, Sensor::Cart as usize);
+            codes.swap(
+                EmulatedSensor::Hammer as usize,
+                EmulatedSensor::Cart as usize,
+            );
         }
         codes
     }
 
     /// The force signal at the end of a tick, N.
     #[inline]
-    fn force(&mut self, touched: bool, inner: &[f64; INNER], blows: &[Blow]) -> f64 {
+    fn force(&mut self, touched: bool, inner: &[f64; INNER], blows: &[PlantBlow]) -> f64 {
         if !touched && self.ringing.is_quiet() && self.force_filter.is_below(QUIET_N) {
             return 0.0;
         }
@@ -221,7 +224,7 @@ impl Sensors {
         let mut out = 0.0;
         for (k, force) in inner.iter().enumerate() {
             let end = (k + 1) as f64 * width;
-            let within = |b: &&Blow| b.at_s > end - width && b.at_s <= end;
+            let within = |b: &&PlantBlow| b.at_s > end - width && b.at_s <= end;
             let blow = blows.iter().find(within);
             let ringing = self.ringing.next(blow.map(|b| (b.peak_n, end - b.at_s)));
             out = self.force_filter.next(force + ringing);

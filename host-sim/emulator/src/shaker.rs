@@ -115,14 +115,14 @@ impl Default for ShakerParams {
 
 /// The set-point over one tick: a cubic through position and rate at both ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Path {
+pub struct SetPointPath {
     start_m: f64,
     start_rate: f64,
     half_bend: f64,
     sixth_jerk: f64,
 }
 
-impl Path {
+impl SetPointPath {
     /// From (position m, rate m/s) at the start to the same at the end, `length_s` later.
     pub fn new(length_s: f64, start: (f64, f64), end: (f64, f64)) -> Self {
         let rise = (end.0 - start.0) / length_s;
@@ -189,14 +189,14 @@ impl Smoother {
 
     /// The path over the tick in which `metres` is held.
     #[inline]
-    pub fn tick(&mut self, metres: f64) -> Path {
+    pub fn tick(&mut self, metres: f64) -> SetPointPath {
         let start = self.now();
         let (first, second) = (self.state.0 - metres, self.state.1 - metres);
         self.state = (
             or_none(metres + first * self.first_decay),
             or_none(metres + second * self.second_decay + first * self.cross),
         );
-        Path::new(self.tick_s, start, self.now())
+        SetPointPath::new(self.tick_s, start, self.now())
     }
 }
 
@@ -208,7 +208,7 @@ fn or_none(metres: f64) -> f64 {
 
 /// What moves the cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
+pub enum ShakerDrive {
     /// A shaker of finite force.
     Shaker(ShakerParams),
     /// Something that follows the set-point whatever force that takes.
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_path_has_the_ends_it_was_given() {
-        let path = Path::new(5e-5, (1e-3, 0.2), (1.5e-3, -0.1));
+        let path = SetPointPath::new(5e-5, (1e-3, 0.2), (1.5e-3, -0.1));
         let close = |a: (f64, f64, f64), b: (f64, f64)| {
             assert!((a.0 - b.0).abs() < 1e-16 && (a.1 - b.1).abs() < 1e-13);
         };
@@ -326,7 +326,7 @@ mod tests {
             let all = [path.sixth_jerk, path.half_bend, y, rate, acceleration];
             assert!(all.iter().all(|x| !x.is_subnormal()), "{path:?}");
         }
-        assert_eq!(smoother.tick(0.0), Path::default());
+        assert_eq!(smoother.tick(0.0), SetPointPath::default());
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Counts and sums over a run, kept while it runs, by the true contact force.
 
 use shared::control::{State, Status};
-use shared::fault::{Fault, Origin, Record};
+use shared::fault::{Fault, FaultRecord, Origin};
 use shared::model::params::RigParams;
 
-use super::record::{Contact, Event, EventKind, TickRow};
+use super::record::{RunEvent, RunEventKind, TickRow, TrueContact};
 use super::rig_path::RigPath;
 use super::scenario::Scenario;
 use super::world::levelled;
@@ -27,14 +27,14 @@ pub struct Tripped {
 /// Force over a stretch of time in which the controller was asked to run: from a start to a stop. While the drive
 /// is off in it, for whatever reason, the force is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Span {
+pub struct ForceSpan {
     /// How long, s.
     pub time_s: f64,
     /// Largest true force of each drive period times its length, added up, N·s.
     pub force_n_s: f64,
 }
 
-impl Span {
+impl ForceSpan {
     fn add(&mut self, time_s: f64, force_n: f64) {
         self.time_s += time_s;
         self.force_n_s += force_n * time_s;
@@ -61,7 +61,7 @@ pub fn cut_away_from_contacts(turns: f64) -> f64 {
 
 /// Counts and sums over a run.
 #[derive(Clone, Debug)]
-pub struct Summary {
+pub struct RunSummary {
     tick_s: f64,
     /// When the first start was given, s.
     pub started_s: Option<f64>,
@@ -84,9 +84,9 @@ pub struct Summary {
     /// Longest time for which the drive stayed powered while a fault of the scenario was present, s.
     pub driven_with_fault_s: f64,
     /// From the first start on.
-    pub asked: Span,
+    pub asked: ForceSpan,
     /// From the first Hold on, whatever came after.
-    pub held: Span,
+    pub held: ForceSpan,
     /// Whole drive periods in Hold.
     pub hold_periods: u64,
     /// Drive frequency of each, added up, Hz.
@@ -114,7 +114,7 @@ pub struct Summary {
     with_fault_s: f64,
 }
 
-impl Summary {
+impl RunSummary {
     /// The ground has given way so far, m.
     pub fn progress(&mut self, now_m: f64) {
         self.progress_m[1] = now_m;
@@ -144,8 +144,8 @@ impl Summary {
             largest_cart_m: 0.0,
             progress_m: [0.0; 2],
             driven_with_fault_s: 0.0,
-            asked: Span::default(),
-            held: Span::default(),
+            asked: ForceSpan::default(),
+            held: ForceSpan::default(),
             hold_periods: 0,
             hold_hz: 0.0,
             faults: Vec::new(),
@@ -247,7 +247,7 @@ impl Summary {
     }
 
     /// A contact ended.
-    pub fn contact(&mut self, contact: &Contact) {
+    pub fn contact(&mut self, contact: &TrueContact) {
         self.contacts += 1;
         self.last_contact_s = Some(contact.onset_s + contact.duration_s);
         self.largest_n = self.largest_n.max(contact.peak_force_n);
@@ -265,8 +265,8 @@ impl Summary {
     }
 
     /// Something happened.
-    pub fn event(&mut self, event: &Event) {
-        if matches!(event.what, EventKind::Scenario { .. }) {
+    pub fn event(&mut self, event: &RunEvent) {
+        if matches!(event.what, RunEventKind::Scenario { .. }) {
             self.last_act = Some(event.tick);
         }
     }
@@ -283,7 +283,7 @@ impl Summary {
     }
 
     /// A fault tripped, its condition having been seen at `tick`.
-    pub fn fault(&mut self, record: &Record, tick: u64) {
+    pub fn fault(&mut self, record: &FaultRecord, tick: u64) {
         let was_on = self.last_on.is_some_and(|on| on >= tick);
         self.faults.push(Tripped {
             fault: record.fault,

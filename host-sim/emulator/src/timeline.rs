@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::record::{Event, EventKind, Observer};
+use super::record::{RunEvent, RunEventKind, RunObserver};
 
-impl fmt::Display for EventKind {
+impl fmt::Display for RunEventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scenario { text } => write!(f, "scenario: {text}"),
@@ -29,11 +29,11 @@ impl fmt::Display for EventKind {
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
     /// In the order in which they were reported.
-    pub events: Vec<Event>,
+    pub events: Vec<RunEvent>,
 }
 
-impl Observer for Timeline {
-    fn event(&mut self, event: &Event) {
+impl RunObserver for Timeline {
+    fn event(&mut self, event: &RunEvent) {
         self.events.push(event.clone());
     }
 }

@@ -165,7 +165,7 @@ impl Trial {
     ///
     /// # Errors
     /// If the true rig is out of range.
-    pub fn run(&self, duration_s: f64) -> Result<Outcome, UserError> {
+    pub fn run(&self, duration_s: f64) -> Result<TrialOutcome, UserError> {
         let scenario = self.scenario(duration_s)?;
         let mut control = Local::new(&scenario.settings)?;
         let summary = run(&scenario, &mut control, &mut ())?;
@@ -185,7 +185,7 @@ impl Trial {
         );
         let held_n = verdict.force_ratio_mean.map(|ratio| ratio * rig.weight_n());
         let names = verdict.faults.iter().map(|fault| fault.name);
-        Ok(Outcome {
+        Ok(TrialOutcome {
             trial: self.clone(),
             hold_s: verdict.time_to_hold_s,
             held: summary.final_state() == State::Hold,
@@ -201,7 +201,7 @@ impl Trial {
 
 /// What became of a trial.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct TrialOutcome {
     /// The trial.
     pub trial: Trial,
     /// From the start to the first Hold, s.
@@ -225,7 +225,7 @@ pub struct Outcome {
 
 /// A line of a table: a trial and what became of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct TrialRow {
     trial: u32,
     rig: String,
     seed: u32,
@@ -246,8 +246,8 @@ pub struct Row {
     faults: String,
 }
 
-impl From<&Outcome> for Row {
-    fn from(outcome: &Outcome) -> Self {
+impl From<&TrialOutcome> for TrialRow {
+    fn from(outcome: &TrialOutcome) -> Self {
         let trial = &outcome.trial;
         Self {
             trial: trial.trial,
@@ -303,11 +303,11 @@ pub struct Distribution {
 
 impl Distribution {
     /// Of these outcomes. A trial that never held counts as the latest and the weakest.
-    pub fn of(outcomes: &[Outcome]) -> Self {
+    pub fn of(outcomes: &[TrialOutcome]) -> Self {
         let times = sorted(outcomes, |o| o.hold_s.unwrap_or(f64::INFINITY));
         let shares = sorted(outcomes, |o| o.force_share_at_amplitude.unwrap_or(0.0));
         let at_a0 = sorted(outcomes, |o| o.force_share.unwrap_or(0.0));
-        let count = |is: fn(&Outcome) -> bool| outcomes.iter().filter(|o| is(o)).count();
+        let count = |is: fn(&TrialOutcome) -> bool| outcomes.iter().filter(|o| is(o)).count();
         Self {
             trials: outcomes.len(),
             held: count(|o| o.held),
@@ -325,7 +325,7 @@ impl Distribution {
     }
 }
 
-fn sorted(outcomes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> Vec<f64> {
+fn sorted(outcomes: &[TrialOutcome], value: impl Fn(&TrialOutcome) -> f64) -> Vec<f64> {
     let mut values: Vec<f64> = outcomes.iter().map(value).collect();
     values.sort_by(f64::total_cmp);
     values
@@ -350,7 +350,7 @@ pub fn run_all(
     rigs: &[Believed],
     duration_s: f64,
     progress: &dyn Progress,
-) -> Result<Vec<Outcome>, UserError> {
+) -> Result<Vec<TrialOutcome>, UserError> {
     each(count, progress, |trial| {
         Trial::draw(seed, trial, rigs).run(duration_s)
     })

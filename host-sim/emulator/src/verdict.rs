@@ -9,9 +9,9 @@ use shared::model::params::RigParams;
 use super::cart::Mounting;
 use super::names::{basin_name, state_name};
 use super::optimum::{Optimum, prescribed, two_bodies};
-use super::plant::Drive;
+use super::plant::ShakerDrive;
 use super::scenario::{Expect, Scenario};
-use super::summary::Summary;
+use super::summary::RunSummary;
 use numerics::row::tidy;
 
 /// More than this share of the optimum's force is not held but wrong, unless the scenario says otherwise.
@@ -108,7 +108,7 @@ pub struct Best {
     pub prescribed: Option<Optimum>,
 }
 
-fn best_of_run(scenario: &Scenario, summary: &Summary) -> Best {
+fn best_of_run(scenario: &Scenario, summary: &RunSummary) -> Best {
     let known = RefCell::new(Vec::new());
     let plain = |rig: &RigParams| {
         prescribed(rig).map(|(_, orbit)| Optimum {
@@ -127,10 +127,10 @@ fn best_of_run(scenario: &Scenario, summary: &Summary) -> Best {
             return *best;
         }
         let best = match scenario.drive() {
-            Drive::Shaker(shaker) => two_bodies(rig, &Drive::Shaker(shaker), &level),
-            Drive::Prescribed => plain(rig),
+            ShakerDrive::Shaker(shaker) => two_bodies(rig, &ShakerDrive::Shaker(shaker), &level),
+            ShakerDrive::Prescribed => plain(rig),
             // A stiff crank prescribes the motion.
-            Drive::Motor(motor) => plain(&RigParams {
+            ShakerDrive::Motor(motor) => plain(&RigParams {
                 amplitude_m: motor.crank_m,
                 ..*rig
             }),
@@ -146,7 +146,7 @@ fn best_of_run(scenario: &Scenario, summary: &Summary) -> Best {
 }
 
 /// Whether the hammer strikes at the end of the run.
-fn true_basin(summary: &Summary) -> Basin {
+fn true_basin(summary: &RunSummary) -> Basin {
     const PERIODS: f64 = 20.0;
     let hz = summary.status.map_or(0.0, |s| f64::from(s.frequency_hz));
     let strikes = summary
@@ -160,12 +160,12 @@ fn true_basin(summary: &Summary) -> Basin {
 }
 
 /// Judges a run of `scenario`. Searches the true rig's optimum, which takes seconds.
-pub fn judge(scenario: &Scenario, summary: &Summary) -> Verdict {
+pub fn judge(scenario: &Scenario, summary: &RunSummary) -> Verdict {
     judge_by(scenario, summary, best_of_run(scenario, summary))
 }
 
 /// Judges a run of `scenario` by a known optimum.
-pub fn judge_by(scenario: &Scenario, summary: &Summary, best: Best) -> Verdict {
+pub fn judge_by(scenario: &Scenario, summary: &RunSummary, best: Best) -> Verdict {
     let weight = scenario.true_rig.weight_n();
     let Best {
         held: best,

@@ -4,10 +4,10 @@ use shared::io::{Frame, Output};
 use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
 
 use super::cart::Friction;
-use super::chain::Chain;
+use super::chain::EmergencyChain;
 use super::plant::Plant;
-use super::scenario::{Change, Scenario, Stuck};
-use super::sensors::{Defect, Sensor, Sensors};
+use super::scenario::{RigChange, Scenario, Stuck};
+use super::sensors::{Defect, EmulatedSensor, Sensors};
 use super::shaker::Smoother;
 use super::stuck::Habit;
 
@@ -47,13 +47,13 @@ pub struct World {
     plant: Plant,
     smoother: Smoother,
     sensors: Sensors,
-    chain: Chain,
+    chain: EmergencyChain,
     m_per_code: f64,
     tick_s: f64,
     /// The rig without what has receded, and as it is.
     ground: RigParams,
     rig: RigParams,
-    drift: Option<Drift<(RigParams, Change)>>,
+    drift: Option<Drift<(RigParams, RigChange)>>,
     recession: Option<Recession>,
     receded_m: f64,
     tilt_rad: f64,
@@ -83,7 +83,7 @@ impl World {
             plant,
             smoother: Smoother::new(&scenario.shaker, tick_s),
             sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
-            chain: Chain::default(),
+            chain: EmergencyChain::default(),
             m_per_code: f64::from(settings.drive.m_per_code) * polarity,
             tick_s,
             ground: rig,
@@ -182,7 +182,7 @@ impl World {
 
     /// Sensors get defects, in the order of their codes; `id` ends them again.
     pub fn begin_defects(&mut self, id: usize, defects: &[Option<Defect>; 3]) {
-        for (sensor, defect) in Sensor::ALL.into_iter().zip(defects) {
+        for (sensor, defect) in EmulatedSensor::ALL.into_iter().zip(defects) {
             if let Some(defect) = defect {
                 self.sensors.begin(sensor, id, *defect);
             }
@@ -215,7 +215,7 @@ impl World {
     }
 
     /// Begins a change of the rig; an earlier one stops where it is.
-    pub fn begin_drift(&mut self, change: Change, over_s: f64) {
+    pub fn begin_drift(&mut self, change: RigChange, over_s: f64) {
         self.drift = Some(Drift {
             change: (self.ground, change),
             since_s: self.plant.time_s(),

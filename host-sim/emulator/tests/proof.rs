@@ -1,7 +1,7 @@
 //! The small motion before the ramp: it proves the sensors before any blow.
 
 use emulator::local::Local;
-use emulator::record::{BlockRow, Event, EventKind, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ struct Start {
     hold_s: Option<f64>,
 }
 
-impl Observer for Start {
+impl RunObserver for Start {
     fn tick(&mut self, row: &TickRow) {
         if !self.has_ramped {
             self.force_n = self.force_n.max(row.true_force_n);
@@ -46,12 +46,12 @@ impl Observer for Start {
             self.hold_s.get_or_insert(now_s - START_S);
         }
     }
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         match &event.what {
-            EventKind::Fault { fault, origin, .. } => {
+            RunEventKind::Fault { fault, origin, .. } => {
                 self.fault.get_or_insert((*fault, *origin, event.time_s));
             }
-            EventKind::Said { text } if text.starts_with("proven") => {
+            RunEventKind::Said { text } if text.starts_with("proven") => {
                 self.proven = Some(text.clone());
             }
             _ => {}

@@ -2,7 +2,7 @@
 //! worse of two measurements that contradict each other. A healthy rig uses them fully.
 
 use emulator::local::Local;
-use emulator::record::{Contact, Event, EventKind, Observer, TickRow};
+use emulator::record::{RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ struct Truth {
     is_on: bool,
 }
 
-impl Observer for Truth {
+impl RunObserver for Truth {
     fn tick(&mut self, row: &TickRow) {
         let travel_mm = (row.hammer_m - row.cart_m).abs() * 1e3;
         self.is_on = row.output.enable && row.time_s > SETTLED_S;
@@ -36,13 +36,13 @@ impl Observer for Truth {
             self.cart_mm = self.cart_mm.max(row.cart_m.abs() * 1e3);
         }
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         if self.is_on {
             self.force_n = self.force_n.max(contact.peak_force_n);
         }
     }
-    fn event(&mut self, event: &Event) {
-        if let EventKind::Fault { fault, .. } = event.what {
+    fn event(&mut self, event: &RunEvent) {
+        if let RunEventKind::Fault { fault, .. } = event.what {
             self.faults.push(fault);
         }
     }

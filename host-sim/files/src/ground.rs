@@ -14,7 +14,7 @@ const FASTEST_MM_PER_S: f64 = 1000.0;
 
 /// What is asked for. Errors name the command line's options.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Asked {
+pub struct GroundAsked {
     /// Contact force at which the ground gives way, N.
     pub threshold_n: Option<f64>,
     /// Stiffness of the ground, N/m.
@@ -35,7 +35,7 @@ pub struct Asked {
     pub bit_feed_force_n: Option<f64>,
 }
 
-impl Asked {
+impl GroundAsked {
     /// The ground on which `rig` drills.
     ///
     /// # Errors

@@ -21,4 +21,4 @@ pub mod write;
 
 pub use error::UserError;
 pub use read::{line_at, open_file, read_bytes, read_table, read_text};
-pub use table::{Line, Measurements};
+pub use table::{Measurements, TableLine};

@@ -12,7 +12,7 @@ use core::ops::{Add, Mul, Sub};
 
 use shared::model::cart::LoopParams;
 
-use super::linear::{Bodies, Hold, Pair};
+use super::linear::{DampedPair, Hold, LinearBodies};
 
 macro_rules! quantities {
     ($(#[$meta:meta])* $name:ident: $($(#[$of:meta])* $field:ident)*) => {
@@ -120,10 +120,10 @@ quantities! {
 }
 
 /// A number, or one per lane.
-pub trait Value: Copy + Add<Output = Self> + Mul<Output = Self> + Sub<Output = Self> {}
-impl<T: Copy + Add<Output = T> + Mul<Output = T> + Sub<Output = T>> Value for T {}
+pub trait LaneValue: Copy + Add<Output = Self> + Mul<Output = Self> + Sub<Output = Self> {}
+impl<T: Copy + Add<Output = T> + Mul<Output = T> + Sub<Output = T>> LaneValue for T {}
 
-impl<T: Value> Joint<T> {
+impl<T: LaneValue> Joint<T> {
     /// The cart of a flight: the hammer's slow part `y` from rest, its rate `v`, the ring and its rate.
     #[inline(always)]
     pub fn cart(&self, [y, v]: [T; 2], [z, w]: [T; 2], (sin, cos): (T, T)) -> [T; 2] {
@@ -198,7 +198,7 @@ pub struct Recoil {
     /// For contacts.
     pub joint: Joint<f64>,
     /// The pair that rings in contact.
-    pub touch: Pair,
+    pub touch: DampedPair,
     /// What the drive forces of x in contact, by sin τ and cos τ.
     pub forced: [f64; 2],
 }
@@ -234,8 +234,8 @@ impl Recoil {
 
     /// The constants of a cell driven at `omega`; none where loop, hammer and surface are not well apart.
     pub fn new(held: &LoopParams, omega: f64, around: &Around) -> Option<Self> {
-        let still = Bodies::new(held, around.mass_ratio, omega, 0.0);
-        let there = Bodies::new(held, around.mass_ratio, omega, around.sin);
+        let still = LinearBodies::new(held, around.mass_ratio, omega, 0.0);
+        let there = LinearBodies::new(held, around.mass_ratio, omega, around.sin);
         let apart = |own: f64, other: f64| !(0.5..2.0).contains(&(own / other));
         let Around {
             rest,
@@ -249,14 +249,14 @@ impl Recoil {
         if !apart(still.spring, rest.stiffness) {
             return None;
         }
-        let alone = Pair {
+        let alone = DampedPair {
             a: still.damper,
             b: still.spring,
         };
         let (hammer, _) = still.pairs(rest, alone)?;
         let (_, ring) = there.pairs(beside, alone)?;
         let gain = there.gain();
-        let joined = Pair {
+        let joined = DampedPair {
             a: there.damper / gain,
             b: there.spring / gain,
         };
@@ -302,7 +302,12 @@ impl Recoil {
 }
 
 /// The slow flight: the cart by the hammer, and what drives the hammer.
-fn in_flight(j: &mut Joint<f64>, bodies: &Bodies, rest: Hold, hammer: Pair) -> [f64; 2] {
+fn in_flight(
+    j: &mut Joint<f64>,
+    bodies: &LinearBodies,
+    rest: Hold,
+    hammer: DampedPair,
+) -> [f64; 2] {
     let [[sin, cos], [cart_sin, cart_cos]] = bodies.driven(rest);
     let [[qx, qv], [vx, vv]] = hammer.weights(bodies.cart_by_hammer(rest, hammer));
     (j.q_by_x, j.q_by_v, j.v_by_x, j.v_by_v) = (qx, qv, vx, vv);
@@ -310,7 +315,7 @@ fn in_flight(j: &mut Joint<f64>, bodies: &Bodies, rest: Hold, hammer: Pair) -> [
     j.q_by_cos = cart_cos - qx * cos - qv * sin;
     j.v_by_sin = -cart_cos - vx * sin + vv * cos;
     j.v_by_cos = cart_sin - vx * cos - vv * sin;
-    let Pair { a, b } = hammer;
+    let DampedPair { a, b } = hammer;
     [(b - 1.0) * sin - a * cos, (b - 1.0) * cos + a * sin]
 }
 
@@ -329,10 +334,10 @@ fn ringing(j: &mut Joint<f64>, weights: [[f64; 2]; 2]) {
 /// The contact: both pairs. Returns what the drive forces of x.
 fn in_contact(
     j: &mut Joint<f64>,
-    bodies: &Bodies,
+    bodies: &LinearBodies,
     touch: Hold,
-    bounce: Pair,
-    slow: Pair,
+    bounce: DampedPair,
+    slow: DampedPair,
 ) -> [f64; 2] {
     let [forced, [cart_sin, cart_cos]] = bodies.driven(touch);
     (j.forced_sin, j.forced_cos) = (cart_sin, cart_cos);

@@ -18,11 +18,11 @@ use shared::model::params::{RigParams, SupportParams, Torque};
 
 use super::Cell;
 use super::cart::{Around, Recoil};
-use super::linear::{Hold, Pair};
+use super::linear::{DampedPair, Hold};
 
 /// Which equation of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum EquationKind {
     /// Pendulum on wires.
     Wires,
     /// Beam springs.
@@ -33,7 +33,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {
     /// Which equation of motion.
-    pub kind: Kind,
+    pub kind: EquationKind,
     /// Coordinate per unit of x (rad or m).
     pub scale: f64,
     /// Ω, rad/s.
@@ -128,7 +128,7 @@ impl Constants {
             }
         };
         let bounce = recoil.map_or(
-            Pair {
+            DampedPair {
                 a: damper,
                 b: stiffness,
             },
@@ -209,7 +209,7 @@ impl Constants {
 }
 
 struct Support {
-    kind: Kind,
+    kind: EquationKind,
     scale: f64,
     rest: f64,
     drive: f64,
@@ -230,7 +230,7 @@ impl Support {
         Around {
             mass_ratio: rig.mass_kg / rig.cart_mass_kg,
             sin: (1.0 - self.drive * self.drive).max(0.0).sqrt(),
-            wires: self.kind == Kind::Wires,
+            wires: self.kind == EquationKind::Wires,
             rest: hold(self.spring, self.damping),
             beside: hold(self.stiffness, self.damping),
             touch: hold(stiffness, damper),
@@ -253,7 +253,7 @@ impl Support {
                 let cos = (1.0 - sin * sin).sqrt();
                 let beta = gravity_m_per_s2 / (length_m * omega * omega);
                 Self {
-                    kind: Kind::Wires,
+                    kind: EquationKind::Wires,
                     scale,
                     rest: libm::asin(sin) / scale,
                     drive: cos,
@@ -283,7 +283,7 @@ impl Support {
                     return None;
                 }
                 Self {
-                    kind: Kind::Beams,
+                    kind: EquationKind::Beams,
                     scale: rig.amplitude_m,
                     rest: gap,
                     drive: 1.0,

@@ -4,17 +4,17 @@
 use pulp::Arch;
 use pulp::{Simd, WithSimd};
 
-use super::constants::{Constants, Kind};
+use super::constants::{Constants, EquationKind};
 use super::job::{Job, Tuning, Work};
-use super::meet::Margins;
+use super::meet::EventMargins;
 use super::pool::run;
 use super::ring::Reach;
-use super::width::{Double, Pair, Single};
-use super::{Cell, CellPlan, Outcome};
+use super::width::{Double, Single, VectorPair};
+use super::{Cell, CellOutcome, CellPlan};
 
 /// The floating-point format of the lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
+pub enum LanePrecision {
     /// f32: faster by half, but sections converge only to its grain, so that cells stop later. In WebAssembly, f64 all the
     /// same.
     Single,
@@ -39,7 +39,7 @@ pub enum Instructions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The floating-point format.
-    pub precision: Precision,
+    pub precision: LanePrecision,
     /// The instruction set: it changes the time taken and nothing else.
     pub instructions: Instructions,
 }
@@ -51,7 +51,7 @@ const GRAZING: f64 = 2e-5;
 /// A ring has died out at so many times the error of a step: below about once, the error itself keeps it up.
 const RING_OVER: f64 = 3.0;
 
-impl Precision {
+impl LanePrecision {
     fn tuning(self) -> Tuning {
         let (step, rest, grain, ring) = match self {
             Self::Double => (1.6, 1e-5, 1e-9, 2e-6),
@@ -59,7 +59,7 @@ impl Precision {
         };
         Tuning {
             step,
-            margins: Margins {
+            margins: EventMargins {
                 grazing: GRAZING,
                 rest,
             },
@@ -74,7 +74,7 @@ impl Precision {
 fn fine() -> Tuning {
     Tuning {
         step: 0.8,
-        margins: Margins {
+        margins: EventMargins {
             grazing: 1e-7,
             rest: 1e-6,
         },
@@ -88,7 +88,7 @@ fn fine() -> Tuning {
 #[derive(Clone, Debug, Default)]
 pub struct Tried {
     /// An outcome per cell; `None` if the reference must run it.
-    pub outcomes: Vec<Option<Outcome>>,
+    pub outcomes: Vec<Option<CellOutcome>>,
     /// Cells the lanes can run.
     pub fit: Vec<bool>,
     /// Cells that were run again with finer steps, as an event was uncertain.
@@ -108,7 +108,8 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         return tried;
     }
     let fit: Vec<_> = cells.iter().map(Constants::new).collect();
-    let kinds = [Kind::Wires, Kind::Beams].map(|kind| [false, true].map(|recoil| (kind, recoil)));
+    let kinds = [EquationKind::Wires, EquationKind::Beams]
+        .map(|kind| [false, true].map(|recoil| (kind, recoil)));
     for (kind, recoil) in kinds.into_iter().flatten() {
         let mut jobs = Vec::new();
         let mut places = Vec::new();
@@ -126,7 +127,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         let op = Run {
             precision: options.precision,
             tuning: options.precision.tuning(),
-            beams: kind == Kind::Beams,
+            beams: kind == EquationKind::Beams,
             jobs: &jobs,
             plan,
         };
@@ -137,7 +138,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         if !lost.is_empty() {
             let jobs: Vec<_> = lost.iter().map(|i| jobs[*i]).collect();
             let finer = Run {
-                precision: Precision::Double,
+                precision: LanePrecision::Double,
                 tuning: fine(),
                 jobs: &jobs,
                 ..op
@@ -157,7 +158,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
 
 #[derive(Clone, Copy)]
 struct Run<'a> {
-    precision: Precision,
+    precision: LanePrecision,
     tuning: Tuning,
     beams: bool,
     jobs: &'a [Job],
@@ -168,7 +169,7 @@ struct Run<'a> {
 struct OfCart<'a, const RECOIL: bool>(Run<'a>);
 
 impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
-    type Output = (Vec<Option<Outcome>>, Work);
+    type Output = (Vec<Option<CellOutcome>>, Work);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
@@ -181,23 +182,31 @@ impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
         } = self.0;
         // A page has one kernel: of f64 in the one instruction set that it was compiled for.
         if const { cfg!(target_arch = "wasm32") } {
-            return run::<_, RECOIL>(Pair(Double(simd)), beams, jobs, plan, tuning);
+            return run::<_, RECOIL>(VectorPair(Double(simd)), beams, jobs, plan, tuning);
         }
         // Without vectors a pair would only make the kernel larger.
         if const { S::F64_LANES == 1 } {
             return match precision {
-                Precision::Single => run::<_, RECOIL>(Single(simd), beams, jobs, plan, tuning),
-                Precision::Double => run::<_, RECOIL>(Double(simd), beams, jobs, plan, tuning),
+                LanePrecision::Single => run::<_, RECOIL>(Single(simd), beams, jobs, plan, tuning),
+                LanePrecision::Double => run::<_, RECOIL>(Double(simd), beams, jobs, plan, tuning),
             };
         }
         match precision {
-            Precision::Single => run::<_, RECOIL>(Pair(Single(simd)), beams, jobs, plan, tuning),
-            Precision::Double => run::<_, RECOIL>(Pair(Double(simd)), beams, jobs, plan, tuning),
+            LanePrecision::Single => {
+                run::<_, RECOIL>(VectorPair(Single(simd)), beams, jobs, plan, tuning)
+            }
+            LanePrecision::Double => {
+                run::<_, RECOIL>(VectorPair(Double(simd)), beams, jobs, plan, tuning)
+            }
         }
     }
 }
 
-fn dispatch(instructions: Instructions, recoil: bool, op: Run<'_>) -> (Vec<Option<Outcome>>, Work) {
+fn dispatch(
+    instructions: Instructions,
+    recoil: bool,
+    op: Run<'_>,
+) -> (Vec<Option<CellOutcome>>, Work) {
     if recoil {
         on(instructions, OfCart::<true>(op))
     } else {

@@ -2,17 +2,17 @@
 
 use super::number::Num;
 use super::series::sin_cos;
-use super::width::Width;
+use super::width::LaneWidth;
 
 /// Order of the Taylor step.
 pub const ORDER: usize = 12;
 
 /// Coefficients of x over the fraction s of the step.
-pub type Path<W> = [Num<W>; ORDER + 1];
+pub type FlightPath<W> = [Num<W>; ORDER + 1];
 
 /// What flight needs of the cells, per lane.
 #[derive(Clone, Copy)]
-pub struct Field<W: Width> {
+pub struct FlightLanes<W: LaneWidth> {
     /// [`super::constants::Constants::rest`].
     pub rest: Num<W>,
     /// [`super::constants::Constants::bend`].
@@ -29,7 +29,7 @@ pub struct Field<W: Width> {
 
 /// Where the hammers are.
 #[derive(Clone, Copy)]
-pub struct At<W: Width> {
+pub struct HammerLanes<W: LaneWidth> {
     /// Coordinate.
     pub x: Num<W>,
     /// Its rate.
@@ -45,7 +45,7 @@ const fn weight(k: usize) -> f64 {
 
 /// Σ a_j b_{k−j}.
 #[inline(always)]
-fn convolve<W: Width>(a: &Path<W>, b: &Path<W>, k: usize) -> Num<W> {
+fn convolve<W: LaneWidth>(a: &FlightPath<W>, b: &FlightPath<W>, k: usize) -> Num<W> {
     // The middle first: the newest coefficients, at both ends, are the last to be ready.
     let middle = k.div_ceil(2);
     let mut sum = a[middle] * b[k - middle];
@@ -60,7 +60,7 @@ fn convolve<W: Width>(a: &Path<W>, b: &Path<W>, k: usize) -> Num<W> {
 
 /// Σ a_j a_{k−j}.
 #[inline(always)]
-fn itself<W: Width>(a: &Path<W>, k: usize) -> Num<W> {
+fn itself<W: LaneWidth>(a: &FlightPath<W>, k: usize) -> Num<W> {
     if k == 0 {
         return a[0] * a[0];
     }
@@ -78,7 +78,12 @@ fn itself<W: Width>(a: &Path<W>, k: usize) -> Num<W> {
 
 /// Taylor coefficients of the flight from `at` over a step `h`, for either equation of motion.
 #[inline(always)]
-pub fn path<W: Width>(beams: bool, f: &Field<W>, at: &At<W>, h: Num<W>) -> Path<W> {
+pub fn path<W: LaneWidth>(
+    beams: bool,
+    f: &FlightLanes<W>,
+    at: &HammerLanes<W>,
+    h: Num<W>,
+) -> FlightPath<W> {
     let (sin, cos) = sin_cos(at.tau);
     let h2 = h * h;
     let zero = h.of(0.0);
@@ -106,7 +111,12 @@ pub fn path<W: Width>(beams: bool, f: &Field<W>, at: &At<W>, h: Num<W>) -> Path<
 /// sin θ and cos θ as polynomials of y = θ/σ to its fifth and fourth power: 2e-7 of a right angle off at 0.3 rad.
 #[inline(always)]
 #[allow(unused_assignments, reason = "the last order's are not needed")]
-fn on_wires<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>) {
+fn on_wires<W: LaneWidth>(
+    f: &FlightLanes<W>,
+    h2: Num<W>,
+    drive: &FlightPath<W>,
+    x: &mut FlightPath<W>,
+) {
     let zero = h2.of(0.0);
     let one = h2.of(1.0);
     let mut y = *x;
@@ -149,7 +159,12 @@ const FOURTHS: usize = 9;
 
 #[inline(always)]
 #[allow(unused_assignments, reason = "the last order's are not needed")]
-fn on_beams<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>) {
+fn on_beams<W: LaneWidth>(
+    f: &FlightLanes<W>,
+    h2: Num<W>,
+    drive: &FlightPath<W>,
+    x: &mut FlightPath<W>,
+) {
     let mut y = *x;
     y[0] = x[0] + f.rest;
     let mut square = [h2.of(0.0); ORDER + 1];

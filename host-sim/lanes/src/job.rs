@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::Cell;
 use super::constants::Constants;
-use super::meet::Margins;
+use super::meet::EventMargins;
 use super::ring::Reach;
 
 /// A cell ready for a lane.
@@ -38,7 +38,7 @@ pub struct Tuning {
     /// Step of flight, in radians of the faster of drive and hammer.
     pub step: f64,
     /// Event tolerances.
-    pub margins: Margins,
+    pub margins: EventMargins,
     /// Distance between strobes that rounding and truncation alone make.
     pub grain: f64,
     /// Steps while a recoiling cart rings.

@@ -43,7 +43,7 @@ mod width;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-pub use dispatch::{Instructions, Options, Precision, Tried, try_run};
+pub use dispatch::{Instructions, LanePrecision, Options, Tried, try_run};
 pub use job::Work;
 pub use reduce::SETTLED_WITHIN;
 pub use settling::Strobes;
@@ -71,7 +71,7 @@ pub struct CellPlan {
     pub recorded: u32,
     /// Whether a cell may stop before `cycles` once its section has converged.
     pub early: bool,
-    /// How many strobes (the last ones) are kept in [`Outcome::strobes`].
+    /// How many strobes (the last ones) are kept in [`CellOutcome::strobes`].
     pub strobes: u32,
 }
 
@@ -87,7 +87,7 @@ impl CellPlan {
 
 /// A point of the section, and what happened in the drive period that ended with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Strobe {
+pub struct LaneStrobe {
     /// Coordinate.
     pub q: f64,
     /// Its rate.
@@ -100,7 +100,7 @@ pub struct Strobe {
 
 /// What a cell showed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct CellOutcome {
     /// The regime over the recorded cycles.
     pub regime: Regime,
     /// Largest contact force in the recorded cycles, N.
@@ -120,5 +120,5 @@ pub struct Outcome {
     /// The section at the end: coordinate and rate.
     pub section: [f64; 2],
     /// The last strobes, oldest first, as many as the plan wants and were run.
-    pub strobes: Vec<Strobe>,
+    pub strobes: Vec<LaneStrobe>,
 }

@@ -15,14 +15,14 @@ use shared::model::cart::LoopParams;
 
 /// z″ = −a z′ − b z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct DampedPair {
     /// Twice the decay.
     pub a: f64,
     /// Square of the angular frequency without damping.
     pub b: f64,
 }
 
-impl Pair {
+impl DampedPair {
     /// Decay and angular frequency, if it oscillates well.
     pub fn oscillation(self) -> Option<(f64, f64)> {
         let square = self.b - 0.25 * self.a * self.a;
@@ -46,7 +46,7 @@ pub struct Hold {
 
 /// The two bodies.
 #[derive(Clone, Copy, Debug)]
-pub struct Bodies {
+pub struct LinearBodies {
     /// λ.
     pub lever: f64,
     /// κ.
@@ -59,7 +59,7 @@ pub struct Bodies {
     pub share: f64,
 }
 
-impl Bodies {
+impl LinearBodies {
     /// A hammer of `mass_ratio` carts at angle `sin` (its sine; 0 on beams) in a cart held by `held`, driven at `omega`.
     pub fn new(held: &LoopParams, mass_ratio: f64, omega: f64, sin: f64) -> Self {
         let moved = 1.0 + mass_ratio * sin * sin;
@@ -80,7 +80,7 @@ impl Bodies {
     }
 
     /// The hammer's and the cart's quadratic, by Newton's method from guesses; none where it finds none.
-    pub fn pairs(&self, hold: Hold, guess: Pair) -> Option<(Pair, Pair)> {
+    pub fn pairs(&self, hold: Hold, guess: DampedPair) -> Option<(DampedPair, DampedPair)> {
         let (stiff, damp) = (hold.stiffness, hold.damping);
         let c3 = self.gain() * damp + self.damper;
         let c2 = self.gain() * stiff + self.spring + damp * self.damper;
@@ -107,14 +107,14 @@ impl Bodies {
                 let a1 = c3 - a2;
                 let b1 = c2 - b2 - a1 * a2;
                 let sound = b1 > 0.0 && b2 > 0.0 && a1 >= 0.0 && a2 >= 0.0;
-                return sound.then_some((Pair { a: a1, b: b1 }, Pair { a: a2, b: b2 }));
+                return sound.then_some((DampedPair { a: a1, b: b1 }, DampedPair { a: a2, b: b2 }));
             }
         }
         None
     }
 
     /// p and q of η = p x + q x′ in a pair of motions.
-    pub fn cart_by_hammer(&self, hold: Hold, pair: Pair) -> [f64; 2] {
+    pub fn cart_by_hammer(&self, hold: Hold, pair: DampedPair) -> [f64; 2] {
         let (k, c) = (self.lever * self.spring, self.lever * self.damper);
         follows(
             k,
@@ -126,7 +126,7 @@ impl Bodies {
     }
 
     /// p and q of x = p η + q η′ in a pair of motions.
-    pub fn hammer_by_cart(&self, hold: Hold, pair: Pair) -> [f64; 2] {
+    pub fn hammer_by_cart(&self, hold: Hold, pair: DampedPair) -> [f64; 2] {
         let (k, c) = (self.share * hold.stiffness, self.share * hold.damping);
         follows(k, c, pair, self.spring, self.damper)
     }
@@ -148,8 +148,8 @@ impl Bodies {
 }
 
 /// p, q of y = p z + q z′ for z″ = −a z′ − b z with z″ + own_c z′ + own_k z = k y + c y′.
-fn follows(k: f64, c: f64, pair: Pair, own_k: f64, own_c: f64) -> [f64; 2] {
-    let Pair { a, b } = pair;
+fn follows(k: f64, c: f64, pair: DampedPair, own_k: f64, own_c: f64) -> [f64; 2] {
+    let DampedPair { a, b } = pair;
     let (left_k, left_c) = (own_k - b, own_c - a);
     // k p − c b q = left_k, c p + (k − c a) q = left_c.
     let whole = k * (k - c * a) + c * c * b;
@@ -197,8 +197,8 @@ mod tests {
                 feed_forward,
                 ..held
             };
-            let bodies = Bodies::new(&held, 0.0554, 23.0, sin);
-            let Bodies {
+            let bodies = LinearBodies::new(&held, 0.0554, 23.0, sin);
+            let LinearBodies {
                 lever,
                 spring,
                 damper,
@@ -211,7 +211,7 @@ mod tests {
                 } else {
                     1.0
                 };
-                let guess = Pair {
+                let guess = DampedPair {
                     a: damper / gain,
                     b: spring / gain,
                 };

@@ -1,17 +1,17 @@
 //! Where in a step of flight the hammers meet the surface: the first root of the step's polynomial.
 
-use super::flight::{ORDER, Path};
+use super::flight::{FlightPath, ORDER};
 use super::number::{Mask, Num};
 use super::root::root;
 use super::series::{horner, polynomial};
-use super::width::Width;
+use super::width::LaneWidth;
 
 /// Evenly spaced points per step at which x is computed.
 pub const SAMPLES: usize = 6;
 
 /// What a step met.
 #[derive(Clone, Copy)]
-pub struct Met<W: Width> {
+pub struct Met<W: LaneWidth> {
     /// Lanes that met the surface.
     pub hit: Mask<W>,
     /// Fraction of the step at which they did; 1 elsewhere.
@@ -22,7 +22,7 @@ pub struct Met<W: Width> {
 
 /// Event tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Margins {
+pub struct EventMargins {
     /// A top this close to the surface, in cart amplitudes, may or may not have touched it.
     pub grazing: f64,
     /// Newton's iteration has come to rest when it moves by less than this share of a step: what is left is its square.
@@ -31,7 +31,7 @@ pub struct Margins {
 
 /// The first meeting with the surface in the step. Lanes start below the surface, or on it on their way out (x = 0).
 #[inline(always)]
-pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
+pub fn meet<W: LaneWidth>(path: &FlightPath<W>, margins: EventMargins) -> Met<W> {
     let one = path[0].of(1.0);
     let zero = path[0].of(0.0);
     let never = one.lt(zero);
@@ -105,7 +105,7 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
 /// Lanes that left the surface and may have come back and left again before the first sample: where the path, its root
 /// at the start divided out, rises first and falls later, and its parabola's top (and a fifth) is above the surface.
 #[inline(always)]
-fn short_hop<W: Width>(path: &Path<W>, spacing: f64) -> Mask<W> {
+fn short_hop<W: LaneWidth>(path: &FlightPath<W>, spacing: f64) -> Mask<W> {
     let zero = path[0].of(0.0);
     let outbound = !path[0].lt(zero);
     let rise = path[2];
@@ -120,8 +120,8 @@ fn short_hop<W: Width>(path: &Path<W>, spacing: f64) -> Mask<W> {
 /// it, the second farther: with the root at the start divided out, the parabola through the start and the two samples
 /// may reach the surface. Also where its top is.
 #[inline(always)]
-fn longer_hop<W: Width>(
-    path: &Path<W>,
+fn longer_hop<W: LaneWidth>(
+    path: &FlightPath<W>,
     seen: &[Num<W>; SAMPLES + 2],
     spacing: f64,
 ) -> (Mask<W>, Num<W>) {
@@ -144,8 +144,8 @@ fn longer_hop<W: Width>(
 /// Where in the first interval (`short`), or in the first two from `about` on, the path, its root at the start divided
 /// out, is highest, and x there.
 #[inline(always)]
-fn top_of_hop<W: Width>(
-    path: &Path<W>,
+fn top_of_hop<W: LaneWidth>(
+    path: &FlightPath<W>,
     short: Mask<W>,
     about: Num<W>,
     spacing: f64,
@@ -167,7 +167,7 @@ fn top_of_hop<W: Width>(
 
 /// x at the ends of the intervals, and one interval after the step.
 #[inline(always)]
-fn samples<W: Width>(path: &Path<W>, spacing: f64) -> [Num<W>; SAMPLES + 2] {
+fn samples<W: LaneWidth>(path: &FlightPath<W>, spacing: f64) -> [Num<W>; SAMPLES + 2] {
     let mut seen = [path[0]; SAMPLES + 2];
     for (i, x) in seen.iter_mut().enumerate().skip(1) {
         *x = polynomial(path, path[0].of(i as f64 * spacing));
@@ -177,7 +177,7 @@ fn samples<W: Width>(path: &Path<W>, spacing: f64) -> [Num<W>; SAMPLES + 2] {
 
 /// x one interval before the step, to fourth order.
 #[inline(always)]
-fn x_before<W: Width>(path: &Path<W>, spacing: f64) -> Num<W> {
+fn x_before<W: LaneWidth>(path: &FlightPath<W>, spacing: f64) -> Num<W> {
     polynomial(
         &[path[0], path[1], path[2], path[3], path[4]],
         path[0].of(-spacing),
@@ -186,18 +186,18 @@ fn x_before<W: Width>(path: &Path<W>, spacing: f64) -> Num<W> {
 
 /// Four numbers, made one by one.
 #[inline(always)]
-fn each<W: Width>(number: impl Fn(usize) -> Num<W>) -> [Num<W>; 4] {
+fn each<W: LaneWidth>(number: impl Fn(usize) -> Num<W>) -> [Num<W>; 4] {
     [number(0), number(1), number(2), number(3)]
 }
 
 /// Four even points on a straight line by the middle two, in the order of [`root`].
 #[inline(always)]
-fn straight<W: Width>(at_from: Num<W>, at_to: Num<W>) -> [Num<W>; 4] {
+fn straight<W: LaneWidth>(at_from: Num<W>, at_to: Num<W>) -> [Num<W>; 4] {
     let rise = at_to - at_from;
     [at_from, at_to, at_from - rise, at_to + rise]
 }
 
-struct Top<W: Width> {
+struct Top<W: LaneWidth> {
     height: Num<W>,
     at: Num<W>,
     from: Num<W>,
@@ -205,7 +205,11 @@ struct Top<W: Width> {
 
 /// The first top that may reach the surface, between samples.
 #[inline(always)]
-fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 2], margins: Margins) -> Top<W> {
+fn highest<W: LaneWidth>(
+    path: &FlightPath<W>,
+    seen: &[Num<W>; SAMPLES + 2],
+    margins: EventMargins,
+) -> Top<W> {
     let one = path[0].of(1.0);
     let zero = path[0].of(0.0);
     let spacing = 1.0 / SAMPLES as f64;

@@ -2,23 +2,23 @@
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::width::{MAX_LANES, Row, Width};
+use super::width::{LaneNumbers, LaneWidth, MAX_LANES};
 
 /// A vector with its instruction set.
 #[derive(Clone, Copy)]
-pub struct Num<W: Width> {
+pub struct Num<W: LaneWidth> {
     w: W,
     v: W::V,
 }
 
 /// A truth per lane.
 #[derive(Clone, Copy)]
-pub struct Mask<W: Width> {
+pub struct Mask<W: LaneWidth> {
     w: W,
     m: W::M,
 }
 
-impl<W: Width> Num<W> {
+impl<W: LaneWidth> Num<W> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(w: W, x: f64) -> Self {
@@ -26,7 +26,7 @@ impl<W: Width> Num<W> {
     }
     /// From a row.
     #[inline(always)]
-    pub fn load(w: W, row: &Row<W::E>) -> Self {
+    pub fn load(w: W, row: &LaneNumbers<W::E>) -> Self {
         Self {
             w,
             v: w.load(row, 0),
@@ -34,7 +34,7 @@ impl<W: Width> Num<W> {
     }
     /// Into a row.
     #[inline(always)]
-    pub fn store(self, row: &mut Row<W::E>) {
+    pub fn store(self, row: &mut LaneNumbers<W::E>) {
         self.w.store(row, 0, self.v);
     }
     /// The same constant beside this vector.
@@ -84,7 +84,7 @@ impl<W: Width> Num<W> {
     }
 }
 
-impl<W: Width> Mask<W> {
+impl<W: LaneWidth> Mask<W> {
     /// a where true, otherwise b.
     #[inline(always)]
     pub fn choose(self, a: Num<W>, b: Num<W>) -> Num<W> {
@@ -109,7 +109,7 @@ impl<W: Width> Mask<W> {
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl<W: Width> $trait for Num<W> {
+        impl<W: LaneWidth> $trait for Num<W> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, b: Self) -> Self {
@@ -117,7 +117,7 @@ macro_rules! operator {
                 Self { w: self.w, v }
             }
         }
-        impl<W: Width> $trait<f64> for Num<W> {
+        impl<W: LaneWidth> $trait<f64> for Num<W> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, b: f64) -> Self {
@@ -132,7 +132,7 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl<W: Width> Neg for Num<W> {
+impl<W: LaneWidth> Neg for Num<W> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -141,7 +141,7 @@ impl<W: Width> Neg for Num<W> {
     }
 }
 
-impl<W: Width> BitAnd for Mask<W> {
+impl<W: LaneWidth> BitAnd for Mask<W> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, b: Self) -> Self {
@@ -150,7 +150,7 @@ impl<W: Width> BitAnd for Mask<W> {
     }
 }
 
-impl<W: Width> BitOr for Mask<W> {
+impl<W: LaneWidth> BitOr for Mask<W> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, b: Self) -> Self {
@@ -159,7 +159,7 @@ impl<W: Width> BitOr for Mask<W> {
     }
 }
 
-impl<W: Width> Not for Mask<W> {
+impl<W: LaneWidth> Not for Mask<W> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {

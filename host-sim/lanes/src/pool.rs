@@ -6,18 +6,18 @@ mod long;
 use std::f64::consts::TAU;
 use std::mem;
 
-use super::flight::{At, Field, path};
+use super::flight::{FlightLanes, HammerLanes, path};
 use super::job::{Job, Tuning, Work};
 use super::meet::meet;
 use super::number::{Mask, Num};
-use super::reduce::{Record, converged, outcome};
+use super::reduce::{StrobeRecord, converged, outcome};
 use super::ring::flight_with_ring;
 use super::rows::Rows;
 use super::series::{horner, sin_cos};
 use super::sustained::Sustained;
-use super::touch::{Anchor, Held, Surface, contact};
-use super::width::{Element, MAX_LANES, Row, Width};
-use super::{CellPlan, Outcome};
+use super::touch::{Anchor, HeldCart, SurfaceLanes, contact};
+use super::width::{Element, LaneNumbers, LaneWidth, MAX_LANES};
+use super::{CellOutcome, CellPlan};
 
 /// What a lane holds beside its rows.
 #[derive(Default)]
@@ -30,7 +30,7 @@ struct Lane {
     chatter: bool,
     /// Whether the first section is still to come (a start at another phase).
     before_first: bool,
-    records: Vec<Record>,
+    records: Vec<StrobeRecord>,
 }
 
 /// The numbers of the bits that are set.
@@ -44,7 +44,7 @@ fn each(mut bits: u32) -> impl Iterator<Item = usize> {
 }
 
 /// The lanes of one thread.
-struct Pool<'a, W: Width> {
+struct Pool<'a, W: LaneWidth> {
     w: W,
     jobs: &'a [Job],
     next: usize,
@@ -52,7 +52,7 @@ struct Pool<'a, W: Width> {
     tuning: Tuning,
     rows: Box<Rows<W::E>>,
     lanes: Vec<Lane>,
-    out: Vec<Option<Outcome>>,
+    out: Vec<Option<CellOutcome>>,
     /// Lanes in a sustained contact, by bit.
     in_sustained: u32,
     /// Lanes whose cell is done, by bit.
@@ -64,13 +64,13 @@ struct Pool<'a, W: Width> {
 /// Runs `jobs`, all of one kind; none where an event was uncertain. With and without a cart that recoils (`RECOIL`) it is
 /// a function of its own: one that does both takes the compiler several times as long.
 #[inline(always)]
-pub fn run<W: Width, const RECOIL: bool>(
+pub fn run<W: LaneWidth, const RECOIL: bool>(
     w: W,
     beams: bool,
     jobs: &[Job],
     plan: &CellPlan,
     tuning: Tuning,
-) -> (Vec<Option<Outcome>>, Work) {
+) -> (Vec<Option<CellOutcome>>, Work) {
     let mut pool = Pool {
         w,
         jobs,
@@ -97,13 +97,13 @@ pub fn run<W: Width, const RECOIL: bool>(
     (pool.out, pool.work)
 }
 
-impl<W: Width> Pool<'_, W> {
+impl<W: LaneWidth> Pool<'_, W> {
     #[inline(always)]
     fn iterate<const RECOIL: bool>(&mut self, beams: bool) {
         let w = self.w;
-        let load = |row: &Row<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
         let rows = &mut *self.rows;
-        let field = Field {
+        let field = FlightLanes {
             rest: load(&rows.rest),
             bend: load(&rows.bend),
             spring: load(&rows.spring),
@@ -111,7 +111,7 @@ impl<W: Width> Pool<'_, W> {
             per_step: load(&rows.per_step),
             push: None,
         };
-        let at = At {
+        let at = HammerLanes {
             x: load(&rows.x),
             v: load(&rows.v),
             tau: load(&rows.tau),
@@ -182,7 +182,7 @@ impl<W: Width> Pool<'_, W> {
     fn section(&mut self, strobe: Mask<W>, x: Num<W>, v: Num<W>) {
         let w = self.w;
         let rows = &*self.rows;
-        let load = |row: &Row<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
         let from_rest = x + load(&rows.rest);
         let swing2 = from_rest.mul_add(from_rest, v * v * load(&rows.soft));
         let tame = swing2.lt(load(&rows.widest2));
@@ -192,7 +192,7 @@ impl<W: Width> Pool<'_, W> {
         for lane in each((strobe & tame).bits()) {
             let onsets = self.rows.onsets[lane].to_f64();
             let held = &mut self.lanes[lane];
-            let record = Record {
+            let record = StrobeRecord {
                 x: xs[lane].to_f64(),
                 v: vs[lane].to_f64(),
                 force: self.rows.peak[lane].to_f64() as f32,
@@ -225,9 +225,9 @@ impl<W: Width> Pool<'_, W> {
     fn touch<const RECOIL: bool>(&mut self, hit: Mask<W>) -> Mask<W> {
         self.work.contact_rounds += 1;
         let w = self.w;
-        let load = |row: &Row<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
         let rows = &mut *self.rows;
-        let anchor = |rows: &[Row<W::E>; 3]| Anchor {
+        let anchor = |rows: &[LaneNumbers<W::E>; 3]| Anchor {
             phase: load(&rows[0]),
             cos: load(&rows[1]),
             sin: load(&rows[2]),
@@ -243,9 +243,9 @@ impl<W: Width> Pool<'_, W> {
             for (row, value) in rows.cart.iter_mut().zip(there) {
                 value.store(row);
             }
-            cart = Some(Held { joint, at: there });
+            cart = Some(HeldCart { joint, at: there });
         }
-        let surface = Surface {
+        let surface = SurfaceLanes {
             drive: load(&rows.drive),
             pull: load(&rows.pull),
             damping: load(&rows.damping),
@@ -277,7 +277,7 @@ impl<W: Width> Pool<'_, W> {
         good.choose(left.tau, tau).store(&mut rows.tau);
         match surface.cart {
             None => good.choose(left.v, v).store(&mut rows.v),
-            Some(Held { joint, .. }) => {
+            Some(HeldCart { joint, .. }) => {
                 let phase = sin_cos(left.tau);
                 let ring = joint.ring([load(&rows.rest), left.v], left.cart, phase);
                 let now = [-ring[0], left.v - ring[1], ring[0], ring[1]];
@@ -308,17 +308,17 @@ impl<W: Width> Pool<'_, W> {
 
     /// A strobe of a lane; ends its cell where that was the last, or where it has converged.
     #[inline(always)]
-    fn record(&mut self, lane: usize, mut record: Record) {
+    fn record(&mut self, lane: usize, mut record: StrobeRecord) {
         let held = &mut self.lanes[lane];
         let Some(job) = held.job else {
             return;
         };
         if held.before_first {
             held.before_first = false;
-            record = Record {
+            record = StrobeRecord {
                 x: record.x,
                 v: record.v,
-                ..Record::default()
+                ..StrobeRecord::default()
             };
             held.records.push(record);
             return;
@@ -359,10 +359,10 @@ impl<W: Width> Pool<'_, W> {
         let c = &job.constants;
         held.before_first = job.tau > 0.0;
         if !held.before_first {
-            held.records.push(Record {
+            held.records.push(StrobeRecord {
                 x: job.x,
                 v: job.v,
-                ..Record::default()
+                ..StrobeRecord::default()
             });
         }
         rows.fill(lane, job, self.tuning.step / c.fastest);

@@ -4,11 +4,11 @@ use shared::model::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
 
 use super::constants::Constants;
 use super::settling::Strobes;
-use super::{CellPlan, Outcome, Strobe};
+use super::{CellOutcome, CellPlan, LaneStrobe};
 
 /// A strobe, and what happened in the drive period that ended with it; without units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Record {
+pub struct StrobeRecord {
     /// Coordinate.
     pub x: f64,
     /// Rate.
@@ -23,7 +23,7 @@ pub struct Record {
     pub chatter: bool,
 }
 
-impl Record {
+impl StrobeRecord {
     /// The larger difference of coordinate and rate, on the section's scales.
     #[inline]
     fn distance(&self, other: &Self) -> f64 {
@@ -43,7 +43,7 @@ const FIRST_TEST: usize = 40;
 
 /// How many of the last cycles show it, if the section has converged: after some n ≤ 16 it repeats, with the same contacts, and ever closer, so that
 /// what a geometric series leaves is below [`SETTLED_WITHIN`]. `grain` is the distance that rounding alone makes.
-pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
+pub fn converged(records: &[StrobeRecord], grain: f64) -> Option<usize> {
     let count = records.len() - 1;
     if count < FIRST_TEST || !count.is_multiple_of(TEST_EVERY) {
         return None;
@@ -79,17 +79,17 @@ pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
         .then_some(2 * window)
 }
 
-fn strobes(records: &[Record]) -> Strobes<impl Fn(usize, usize) -> f64> {
+fn strobes(records: &[StrobeRecord]) -> Strobes<impl Fn(usize, usize) -> f64> {
     Strobes::new(records.len(), |i, j| records[j].distance(&records[i]))
 }
 
 /// What the records of a cell say. The first record is the section at the start.
 pub fn outcome(
     c: &Constants,
-    records: &[Record],
+    records: &[StrobeRecord],
     plan: &CellPlan,
     settled: Option<usize>,
-) -> Outcome {
+) -> CellOutcome {
     let cycles = records.len() - 1;
     let recorded = settled.unwrap_or(plan.recorded as usize).min(cycles);
     let window = &records[cycles - recorded..];
@@ -104,7 +104,7 @@ pub fn outcome(
     let unsettled =
         settled.is_none() && strobes(&window[1..]).still_change(regime, cycles - recorded);
     let repeats = regime.periods().filter(|_| !unsettled);
-    Outcome {
+    CellOutcome {
         regime,
         unsettled,
         force_n: f64::from(force) * c.force_unit_n,
@@ -119,7 +119,7 @@ pub fn outcome(
         section: [last.x * units.0, last.v * units.1],
         strobes: records[kept + 1..]
             .iter()
-            .map(|r| Strobe {
+            .map(|r| LaneStrobe {
                 q: r.x * units.0,
                 v: r.v * units.1,
                 force_n: f64::from(r.force) * c.force_unit_n,
@@ -130,7 +130,7 @@ pub fn outcome(
 }
 
 /// The regime over a window, whose first record opens it, by the rule of [`shared::model::regime::Detector`].
-pub fn regime(window: &[Record]) -> Regime {
+pub fn regime(window: &[StrobeRecord]) -> Regime {
     let periods = window.len() - 1;
     if !window[1..].iter().any(|r| r.touched) {
         return Regime::None;
@@ -176,7 +176,7 @@ mod tests {
     use shared::model::regime::Detector;
 
     /// A window of made-up strobes: repeating after `n`, with noise of `amount`, some contacts, perhaps chatter.
-    fn window(seed: u64, length: usize, n: usize, amount: f64, chatter: bool) -> Vec<Record> {
+    fn window(seed: u64, length: usize, n: usize, amount: f64, chatter: bool) -> Vec<StrobeRecord> {
         let mut state = seed;
         let mut random = move || {
             state = state
@@ -189,7 +189,7 @@ mod tests {
             .map(|k| {
                 let (x, v, onsets) = orbit[k % n];
                 let onsets = (3.0 * onsets) as u16 + u16::from(random() < 0.01);
-                Record {
+                StrobeRecord {
                     x: x + amount * random(),
                     v: v + amount * random(),
                     force: 1.0,
@@ -226,14 +226,14 @@ mod tests {
         assert!(kinds.len() > 20, "{kinds:?}");
     }
 
-    fn decaying(ratio: f64, first: f64, cycles: usize) -> Vec<Record> {
+    fn decaying(ratio: f64, first: f64, cycles: usize) -> Vec<StrobeRecord> {
         let at = |k: usize| first * ratio.powi(k as i32);
         (0..=cycles)
-            .map(|k| Record {
+            .map(|k| StrobeRecord {
                 x: at(k),
                 onsets: 1,
                 touched: true,
-                ..Record::default()
+                ..StrobeRecord::default()
             })
             .collect()
     }

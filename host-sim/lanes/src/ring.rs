@@ -1,10 +1,10 @@
 //! The ring of a recoiling cart in flight, in all lanes: short steps while it lasts.
 
 use super::cart::Ringing;
-use super::flight::{At, Field, ORDER, Path, path};
+use super::flight::{FlightLanes, FlightPath, HammerLanes, ORDER, path};
 use super::job::Tuning;
 use super::number::Num;
-use super::width::Width;
+use super::width::LaneWidth;
 
 /// Steps by the height of the ring: the highest, in cart amplitudes, that a step of so many radians of the ring follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,24 +25,24 @@ impl Reach {
 }
 
 /// A step of a flight in which the cart may ring.
-pub struct Flown<W: Width> {
+pub struct Flown<W: LaneWidth> {
     /// The hammer's path.
-    pub path: Path<W>,
+    pub path: FlightPath<W>,
     /// The step.
     pub h: Num<W>,
     /// Its reciprocal.
     pub per_step: Num<W>,
     /// The ring's path.
-    pub ring: Path<W>,
+    pub ring: FlightPath<W>,
 }
 
 /// That step from `at` and `ring`, at most `full` long.
 #[inline(always)]
-pub fn flight_with_ring<W: Width>(
+pub fn flight_with_ring<W: LaneWidth>(
     beams: bool,
     ringing: &Ringing<Num<W>>,
-    mut field: Field<W>,
-    mut at: At<W>,
+    mut field: FlightLanes<W>,
+    mut at: HammerLanes<W>,
     full: Num<W>,
     ring: [Num<W>; 2],
     tuning: &Tuning,
@@ -74,7 +74,7 @@ pub fn flight_with_ring<W: Width>(
 
 /// The ring now, and the step that its height allows.
 #[derive(Clone, Copy)]
-struct Rung<W: Width> {
+struct Rung<W: LaneWidth> {
     /// z and z′.
     ring: [Num<W>; 2],
     /// The step.
@@ -87,7 +87,7 @@ struct Rung<W: Width> {
 
 /// A step of at most `full` (its reciprocal `per_full`): shorter while the ring `z`, `w` is higher than `dead`.
 #[inline(always)]
-fn rung<W: Width>(
+fn rung<W: LaneWidth>(
     r: &Ringing<Num<W>>,
     [z, w]: [Num<W>; 2],
     (full, per_full): (Num<W>, Num<W>),
@@ -115,7 +115,7 @@ fn rung<W: Width>(
 
 /// Taylor coefficients of the ring over a step `h`.
 #[inline(always)]
-fn ring_path<W: Width>(r: &Ringing<Num<W>>, [z, w]: [Num<W>; 2], h: Num<W>) -> Path<W> {
+fn ring_path<W: LaneWidth>(r: &Ringing<Num<W>>, [z, w]: [Num<W>; 2], h: Num<W>) -> FlightPath<W> {
     let mut c = [z; ORDER + 1];
     c[1] = h * w;
     let loss = -(r.a * h);

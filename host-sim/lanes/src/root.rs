@@ -1,10 +1,10 @@
 //! The root of a step's polynomial in an interval in which it is.
 
-use super::flight::{ORDER, Path};
-use super::meet::Margins;
+use super::flight::{FlightPath, ORDER};
+use super::meet::EventMargins;
 use super::number::{Mask, Num};
 use super::series::horner;
-use super::width::Width;
+use super::width::LaneWidth;
 
 /// Most iterations of Newton's method for one event; a lane that has not come to rest by then is uncertain.
 const ITERATIONS: usize = 24;
@@ -13,12 +13,12 @@ const ITERATIONS: usize = 24;
 /// holds x at `from` and at `to`, and as far before and after them. A lane that starts on the surface (x = 0, outbound)
 /// and comes back before the first sample has its root at the start divided out.
 #[inline(always)]
-pub fn root<W: Width>(
-    path: &Path<W>,
+pub fn root<W: LaneWidth>(
+    path: &FlightPath<W>,
     (from, to): (Num<W>, Num<W>),
     around: &[Num<W>; 4],
     wanted: Mask<W>,
-    margins: Margins,
+    margins: EventMargins,
 ) -> (Num<W>, Mask<W>) {
     let (one, zero) = (from.of(1.0), from.of(0.0));
     let [at_from, at_to, before, after] = *around;
@@ -72,12 +72,12 @@ pub fn root<W: Width>(
 /// [`root`] where its guess is not good: from the chord, by Newton's method kept within the interval. Also returns
 /// the lanes in which it does not converge.
 #[inline(always)]
-fn bracketed<W: Width>(
-    path: &Path<W>,
+fn bracketed<W: LaneWidth>(
+    path: &FlightPath<W>,
     (from, to): (Num<W>, Num<W>),
     (at_from, at_to): (Num<W>, Num<W>),
     wanted: Mask<W>,
-    margins: Margins,
+    margins: EventMargins,
 ) -> (Num<W>, Mask<W>) {
     let zero = from.of(0.0);
     let below = path[0].lt(zero) | zero.lt(from);

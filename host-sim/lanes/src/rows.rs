@@ -2,7 +2,7 @@
 
 use super::cart::{Joint, Ringing};
 use super::job::Job;
-use super::width::{Element, Row};
+use super::width::{Element, LaneNumbers};
 
 /// Phase of an onset that never was.
 const NEVER: f64 = -1e6;
@@ -10,41 +10,41 @@ const NEVER: f64 = -1e6;
 /// Everything the lanes hold, one row per quantity.
 #[derive(Default)]
 pub struct Rows<E> {
-    pub x: Row<E>,
-    pub v: Row<E>,
-    pub tau: Row<E>,
-    pub step: Row<E>,
-    pub per_step: Row<E>,
-    pub peak: Row<E>,
-    pub onsets: Row<E>,
-    pub recent: [Row<E>; 3],
-    pub rest: Row<E>,
-    pub drive: Row<E>,
-    pub bend: Row<E>,
-    pub spring: Row<E>,
-    pub damping: Row<E>,
+    pub x: LaneNumbers<E>,
+    pub v: LaneNumbers<E>,
+    pub tau: LaneNumbers<E>,
+    pub step: LaneNumbers<E>,
+    pub per_step: LaneNumbers<E>,
+    pub peak: LaneNumbers<E>,
+    pub onsets: LaneNumbers<E>,
+    pub recent: [LaneNumbers<E>; 3],
+    pub rest: LaneNumbers<E>,
+    pub drive: LaneNumbers<E>,
+    pub bend: LaneNumbers<E>,
+    pub spring: LaneNumbers<E>,
+    pub damping: LaneNumbers<E>,
     /// The reciprocal of `spring`.
-    pub soft: Row<E>,
+    pub soft: LaneNumbers<E>,
     /// [`Constants::widest2`](super::constants::Constants::widest2).
-    pub widest2: Row<E>,
-    pub pull: Row<E>,
-    pub contact_spring: Row<E>,
-    pub contact_damper: Row<E>,
-    pub decay: Row<E>,
-    pub pulsation: Row<E>,
-    pub short: Row<E>,
-    pub rho: Row<E>,
-    pub forced_sin: Row<E>,
-    pub forced_cos: Row<E>,
-    pub forced_mean: Row<E>,
-    pub release: [Row<E>; 3],
-    pub top: [Row<E>; 3],
+    pub widest2: LaneNumbers<E>,
+    pub pull: LaneNumbers<E>,
+    pub contact_spring: LaneNumbers<E>,
+    pub contact_damper: LaneNumbers<E>,
+    pub decay: LaneNumbers<E>,
+    pub pulsation: LaneNumbers<E>,
+    pub short: LaneNumbers<E>,
+    pub rho: LaneNumbers<E>,
+    pub forced_sin: LaneNumbers<E>,
+    pub forced_cos: LaneNumbers<E>,
+    pub forced_mean: LaneNumbers<E>,
+    pub release: [LaneNumbers<E>; 3],
+    pub top: [LaneNumbers<E>; 3],
     /// A cart that recoils: its ring and the ring's rate; x and v are then those of the slow part.
-    pub ring: [Row<E>; 2],
+    pub ring: [LaneNumbers<E>; 2],
     /// Where it and its rate are while the lane touches.
-    pub cart: [Row<E>; 2],
-    pub ringing: Ringing<Row<E>>,
-    pub joint: Joint<Row<E>>,
+    pub cart: [LaneNumbers<E>; 2],
+    pub ringing: Ringing<LaneNumbers<E>>,
+    pub joint: Joint<LaneNumbers<E>>,
 }
 
 impl<E: Element> Rows<E> {
@@ -87,7 +87,7 @@ impl<E: Element> Rows<E> {
             row[lane] = e(0.0);
         }
         if let Some(recoil) = &c.recoil {
-            let put = |row: &mut Row<E>, value| row[lane] = e(value);
+            let put = |row: &mut LaneNumbers<E>, value| row[lane] = e(value);
             self.ringing.put(&recoil.ringing, put);
             self.joint.put(&recoil.joint, put);
             let ring = recoil.ring([c.rest + job.x, job.v], [0.0; 2], job.tau);

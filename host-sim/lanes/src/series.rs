@@ -1,11 +1,11 @@
 //! Polynomials and circular functions in lanes.
 
 use super::number::Num;
-use super::width::{Element, Width};
+use super::width::{Element, LaneWidth};
 
 /// Value and slope of the polynomial Σ c_k s^k, its even and odd terms apart: four short chains instead of two long ones.
 #[inline(always)]
-pub fn horner<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> (Num<W>, Num<W>) {
+pub fn horner<W: LaneWidth, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> (Num<W>, Num<W>) {
     let z = s * s;
     let zero = s.of(0.0);
     // value = even + s odd; slope = odd + 2 s (even' + s odd'), the dashes by z.
@@ -25,7 +25,7 @@ pub fn horner<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> (Num<W>, 
 
 /// Value alone of the polynomial Σ c_k s^k.
 #[inline(always)]
-pub fn polynomial<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> Num<W> {
+pub fn polynomial<W: LaneWidth, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> Num<W> {
     let mut value = c[N - 1];
     for k in (0..N - 1).rev() {
         value = value.mul_add(s, c[k]);
@@ -35,7 +35,7 @@ pub fn polynomial<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> Num<W
 
 /// Σ c_k x^k for constants known beforehand.
 #[inline(always)]
-pub fn series<W: Width, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
+pub fn series<W: LaneWidth, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
     let mut value = x.of(c[N - 1]);
     for k in (0..N - 1).rev() {
         value = value.mul_add(x, x.of(c[k]));
@@ -45,7 +45,7 @@ pub fn series<W: Width, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
 
 /// (sin a, cos a) for 0 ≤ a ≤ 9, by quarter turns and Taylor's series (|remainder| < 1e-11).
 #[inline(always)]
-pub fn sin_cos<W: Width>(a: Num<W>) -> (Num<W>, Num<W>) {
+pub fn sin_cos<W: LaneWidth>(a: Num<W>) -> (Num<W>, Num<W>) {
     use core::f64::consts::FRAC_PI_2;
     // A number whose last bit is 1/1: adding and taking it away rounds.
     let rounder = 0.75 / W::E::GRAIN;

@@ -16,7 +16,7 @@ const MOST: usize = 500;
 
 /// Side of the switch while x > 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum SwitchSide {
     /// The force acts.
     Contact,
     /// The force has ended, but x > 0 still.
@@ -35,7 +35,7 @@ pub struct Sustained {
     /// Drive phase since the last strobe.
     pub tau: f64,
     /// Side of the switch.
-    pub side: Side,
+    pub side: SwitchSide,
     /// Largest force of this period.
     pub peak: f64,
     /// Onsets of this period.
@@ -48,7 +48,7 @@ pub struct Sustained {
 
 /// How a sustained contact went on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum SustainedEvent {
     /// It reached the section (`tau` = 2π).
     Section,
     /// The hammer is out: x = 0, v < 0.
@@ -59,30 +59,30 @@ pub enum Event {
 
 impl Sustained {
     /// Continues to the section, or until the hammer is out.
-    pub fn run(&mut self, c: &Constants) -> Event {
+    pub fn run(&mut self, c: &Constants) -> SustainedEvent {
         for _ in 0..MOST {
             let event = match self.side {
-                Side::Contact => self.press(c),
-                Side::Leaving => self.leave(c),
+                SwitchSide::Contact => self.press(c),
+                SwitchSide::Leaving => self.leave(c),
             };
             if !(self.x.is_finite() && self.v.is_finite()) {
-                return Event::Lost;
+                return SustainedEvent::Lost;
             }
             if let Some(event) = event {
                 return event;
             }
         }
-        Event::Lost
+        SustainedEvent::Lost
     }
 
     fn begin(&mut self) {
-        self.side = Side::Contact;
+        self.side = SwitchSide::Contact;
         self.onsets += 1;
         self.recent = [self.tau, self.recent[0], self.recent[1]];
     }
 
     /// In contact until F falls through zero or the section comes.
-    fn press(&mut self, c: &Constants) -> Option<Event> {
+    fn press(&mut self, c: &Constants) -> Option<SustainedEvent> {
         let form = Form::new(c, self.tau, [self.x, self.v], self.cart);
         let end = TAU - self.tau;
         let release = self.find_release(&form, end);
@@ -96,9 +96,9 @@ impl Sustained {
         self.chatter |= stayed > SUSTAINED_CONTACT_S && self.recent[0] - self.recent[2] < TAU;
         if release.is_none() {
             self.tau = TAU;
-            return Some(Event::Section);
+            return Some(SustainedEvent::Section);
         }
-        self.side = Side::Leaving;
+        self.side = SwitchSide::Leaving;
         None
     }
 
@@ -172,13 +172,13 @@ impl Sustained {
     }
 
     /// Free flight with x > 0 until it is out, F rises through zero, or the section comes.
-    fn leave(&mut self, c: &Constants) -> Option<Event> {
+    fn leave(&mut self, c: &Constants) -> Option<SustainedEvent> {
         let lag = c.contact_damper / c.contact_spring;
         let step = (2.0 * lag).max(0.1 / c.pulsation);
         loop {
             if self.x <= 0.0 && self.v < 0.0 {
                 self.x = 0.0;
-                return Some(Event::Out);
+                return Some(SustainedEvent::Out);
             }
             let h = step.min(TAU - self.tau);
             let (sin, cos) = libm::sincos(self.tau);
@@ -223,14 +223,14 @@ impl Sustained {
             }
             if out.is_some() {
                 self.x = 0.0;
-                return Some(Event::Out);
+                return Some(SustainedEvent::Out);
             }
             if h < step {
                 self.tau = TAU;
-                return Some(Event::Section);
+                return Some(SustainedEvent::Section);
             }
             if !self.x.is_finite() {
-                return Some(Event::Lost);
+                return Some(SustainedEvent::Lost);
             }
         }
     }

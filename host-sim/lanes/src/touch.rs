@@ -9,7 +9,7 @@
 use super::cart::{Beside, Joint};
 use super::number::{Mask, Num};
 use super::series::{horner, polynomial, sin_cos};
-use super::width::Width;
+use super::width::LaneWidth;
 
 /// Order of the expansions.
 const ORDER: usize = 6;
@@ -25,7 +25,7 @@ const LONGEST: f64 = 0.15;
 
 /// What a contact needs of the cells, per lane.
 #[derive(Clone, Copy)]
-pub struct Surface<W: Width> {
+pub struct SurfaceLanes<W: LaneWidth> {
     /// [`super::constants::Constants::drive`].
     pub drive: Num<W>,
     /// [`super::constants::Constants::pull`].
@@ -55,12 +55,12 @@ pub struct Surface<W: Width> {
     /// Where its force peaks.
     pub peak: Anchor<W>,
     /// A cart that recoils.
-    pub cart: Option<Held<W>>,
+    pub cart: Option<HeldCart<W>>,
 }
 
 /// A cart that recoils, at the onset.
 #[derive(Clone, Copy)]
-pub struct Held<W: Width> {
+pub struct HeldCart<W: LaneWidth> {
     /// What the cell has of it.
     pub joint: Joint<Num<W>>,
     /// Its deviation and rate.
@@ -69,7 +69,7 @@ pub struct Held<W: Width> {
 
 /// A phase of the transient: φ, e^(−ρφ) cos φ, e^(−ρφ) sin φ.
 #[derive(Clone, Copy)]
-pub struct Anchor<W: Width> {
+pub struct Anchor<W: LaneWidth> {
     /// φ.
     pub phase: Num<W>,
     /// e^(−ρφ) cos φ.
@@ -80,7 +80,7 @@ pub struct Anchor<W: Width> {
 
 /// What a contact did.
 #[derive(Clone, Copy)]
-pub struct Left<W: Width> {
+pub struct ContactResult<W: LaneWidth> {
     /// Whether the other fields are valid.
     pub good: Mask<W>,
     /// Drive phase when x = 0 is passed outbound.
@@ -97,12 +97,12 @@ pub struct Left<W: Width> {
 
 /// The transient e^(−ρφ)(a cos φ + b sin φ).
 #[derive(Clone, Copy)]
-struct Transient<W: Width> {
+struct Transient<W: LaneWidth> {
     a: Num<W>,
     b: Num<W>,
 }
 
-impl<W: Width> Transient<W> {
+impl<W: LaneWidth> Transient<W> {
     /// Taylor coefficients about an anchor, in φ.
     #[inline(always)]
     fn about<const N: usize>(&self, anchor: &Anchor<W>, rho: Num<W>) -> [Num<W>; N] {
@@ -126,7 +126,12 @@ impl<W: Width> Transient<W> {
 /// Runs a contact that begins at drive phase `tau` (0 to 2π) with rate `v` > 0. A contact less deep than
 /// `grazing` is reported as such.
 #[inline(always)]
-pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -> Left<W> {
+pub fn contact<W: LaneWidth>(
+    s: &SurfaceLanes<W>,
+    tau: Num<W>,
+    v: Num<W>,
+    grazing: f64,
+) -> ContactResult<W> {
     let one = v.of(1.0);
     let zero = v.of(0.0);
     let (sin, cos) = sin_cos(tau);
@@ -192,7 +197,7 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     // Flight from there to x = 0.
     let (push0, push1) = (s.drive * sin, s.drive * cos);
     let mut beside = None;
-    if let Some(Held { joint, .. }) = &s.cart {
+    if let Some(HeldCart { joint, .. }) = &s.cart {
         let cart = [
             joint.q_by_touch * z0
                 + joint.q_by_touch_v * turn
@@ -247,7 +252,7 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
         None => push0 + s.pull,
         Some(held) => held.joint.beside(held.at, s.pull, (sin, cos)).x2,
     };
-    Left {
+    ContactResult {
         good: near & falls & clear & peaked & zero.lt(v),
         tau: tau + whole,
         v: leaving,
@@ -259,7 +264,7 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
 }
 
 /// The pair in contact in which hammer and cart go together.
-struct Together<W: Width> {
+struct Together<W: LaneWidth> {
     /// x and its first three derivatives.
     hammer: [Num<W>; 4],
     /// The cart and its first four derivatives, its course's swing included.
@@ -268,7 +273,7 @@ struct Together<W: Width> {
 
 /// That pair for a hammer that is `x`, `v` off what the drive forces, in a cart at `q`, `w`.
 #[inline(always)]
-fn slow_pair<W: Width>(
+fn slow_pair<W: LaneWidth>(
     j: &Joint<Num<W>>,
     [x, v]: [Num<W>; 2],
     [q, w]: [Num<W>; 2],
@@ -298,7 +303,7 @@ fn slow_pair<W: Width>(
 
 /// Adds the slow force (value and two derivatives by τ at the onset) to an expansion about an anchor; `short` = 1/ν.
 #[inline(always)]
-fn add_slow<W: Width, const N: usize>(
+fn add_slow<W: LaneWidth, const N: usize>(
     f: &mut [Num<W>; N],
     slow: &[Num<W>; 3],
     anchor: &Anchor<W>,
@@ -313,15 +318,15 @@ fn add_slow<W: Width, const N: usize>(
 
 /// c0 + c1 t + c2 t²/2 + c3 t³/6.
 #[inline(always)]
-fn taylor3<W: Width>(c: [Num<W>; 4], t: Num<W>) -> Num<W> {
+fn taylor3<W: LaneWidth>(c: [Num<W>; 4], t: Num<W>) -> Num<W> {
     let inner = t.mul_add(c[3] * (1.0 / 6.0), c[2] * 0.5);
     t.mul_add(t.mul_add(inner, c[1]), c[0])
 }
 
 /// The largest force, and whether it was found: `at_onset` or the top of the expansion about the peak's anchor.
 #[inline(always)]
-fn peak<W: Width>(
-    s: &Surface<W>,
+fn peak<W: LaneWidth>(
+    s: &SurfaceLanes<W>,
     push: &Transient<W>,
     (rho, short): (Num<W>, Num<W>),
     slow: &[Num<W>; 3],

@@ -12,7 +12,7 @@ use pulp::Simd;
 pub const MAX_LANES: usize = 32;
 
 /// One number per lane, in memory.
-pub type Row<E> = [E; MAX_LANES];
+pub type LaneNumbers<E> = [E; MAX_LANES];
 
 /// A lane's number.
 pub trait Element: Copy + Default + PartialOrd + Send + Sync + 'static {
@@ -49,7 +49,7 @@ impl Element for f64 {
 }
 
 /// An instruction set and a precision.
-pub trait Width: Copy {
+pub trait LaneWidth: Copy {
     /// A lane's number.
     type E: Element;
     /// A vector.
@@ -62,9 +62,9 @@ pub trait Width: Copy {
     /// The same number in every lane.
     fn splat(self, x: f64) -> Self::V;
     /// Reads the `part`-th [`Self::LANES`] of a row.
-    fn load(self, row: &Row<Self::E>, part: usize) -> Self::V;
+    fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V;
     /// Writes the `part`-th [`Self::LANES`] of a row.
-    fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V);
+    fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V);
     /// a + b.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     /// a − b.
@@ -110,7 +110,7 @@ macro_rules! width {
      $splat:ident, $simd:ident, $simd_mut:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $fma:ident, $fnma:ident, $neg:ident, $abs:ident, $sqrt:ident, $lt:ident, $select:ident,
      $and:ident, $or:ident, $not:ident, $first:ident) => {
-        impl<S: Simd> Width for $name<S> {
+        impl<S: Simd> LaneWidth for $name<S> {
             type E = $e;
             type V = S::$v;
             type M = S::$m;
@@ -121,11 +121,11 @@ macro_rules! width {
                 self.0.$splat(x as $e)
             }
             #[inline(always)]
-            fn load(self, row: &Row<Self::E>, part: usize) -> Self::V {
+            fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V {
                 S::$simd(row).0[part]
             }
             #[inline(always)]
-            fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V) {
+            fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V) {
                 S::$simd_mut(row).0[part] = x;
             }
             #[inline(always)]
@@ -251,7 +251,7 @@ width!(
 
 /// Two vectors side by side: while one waits for a result, the other is computed.
 #[derive(Clone, Copy)]
-pub struct Pair<W>(pub W);
+pub struct VectorPair<W>(pub W);
 
 macro_rules! both {
     ($($name:ident($($x:ident: $in:ident),*) -> $out:ident;)*) => { $(
@@ -262,7 +262,7 @@ macro_rules! both {
     )* };
 }
 
-impl<W: Width> Width for Pair<W> {
+impl<W: LaneWidth> LaneWidth for VectorPair<W> {
     type E = W::E;
     type V = (W::V, W::V);
     type M = (W::M, W::M);
@@ -273,11 +273,11 @@ impl<W: Width> Width for Pair<W> {
         (self.0.splat(x), self.0.splat(x))
     }
     #[inline(always)]
-    fn load(self, row: &Row<Self::E>, part: usize) -> Self::V {
+    fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V {
         (self.0.load(row, 2 * part), self.0.load(row, 2 * part + 1))
     }
     #[inline(always)]
-    fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V) {
+    fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V) {
         self.0.store(row, 2 * part, x.0);
         self.0.store(row, 2 * part + 1, x.1);
     }

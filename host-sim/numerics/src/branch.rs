@@ -3,13 +3,13 @@
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
-use crate::engine::{Arrival, Engine, Plan, Recorder, Start, machine, observe, within_reach};
+use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
 
 /// How a stable 1/1 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum End {
+pub enum BranchEnd {
     /// A multiplier passes −1: the orbit doubles its period.
     PeriodDoubling,
     /// Another contact appears in the period (a graze).
@@ -24,11 +24,11 @@ pub enum End {
 
 /// An end of the branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edge {
+pub struct BranchEdge {
     /// Where, Hz: the last frequency at which the orbit is a stable 1/1.
     pub frequency_hz: f64,
     /// How.
-    pub end: End,
+    pub end: BranchEnd,
 }
 
 /// A stretch of stable 1/1 orbits.
@@ -37,9 +37,9 @@ pub struct Branch {
     /// Orbits along it, by rising frequency, the ends included.
     pub orbits: Vec<Orbit>,
     /// Its lower end.
-    pub low: Edge,
+    pub low: BranchEdge,
     /// Its upper end.
-    pub high: Edge,
+    pub high: BranchEdge,
 }
 
 /// Ends are reported this far inside the branch, as a share of the natural frequency: there the orbit is still what the
@@ -103,7 +103,7 @@ fn march_to(
     seed: &Orbit,
     limits_hz: (f64, f64),
     direction: f64,
-) -> (Vec<Orbit>, Edge) {
+) -> (Vec<Orbit>, BranchEdge) {
     let unit = params.natural_frequency_hz();
     let limits = (limits_hz.0 / unit, limits_hz.1 / unit);
     let family = Family::new(params, Along::Frequency, 1).ok();
@@ -116,21 +116,21 @@ fn march_to(
         let frequency_hz = seed.frequency_hz;
         return (
             Vec::new(),
-            Edge {
+            BranchEdge {
                 frequency_hz,
-                end: End::Fold,
+                end: BranchEnd::Fold,
             },
         );
     };
     let (nodes, ended) = march(&family, &start, limits, Until::Special);
     let end = match ended {
-        continuation::End::Limit => End::SearchLimit,
-        continuation::End::Special(Special::PeriodDoubling) => End::PeriodDoubling,
-        continuation::End::Special(Special::GrazingGained) => End::ExtraContact,
-        _ => End::Fold,
+        continuation::CurveEnd::Limit => BranchEnd::SearchLimit,
+        continuation::CurveEnd::Special(Special::PeriodDoubling) => BranchEnd::PeriodDoubling,
+        continuation::CurveEnd::Special(Special::GrazingGained) => BranchEnd::ExtraContact,
+        _ => BranchEnd::Fold,
     };
     let mut orbits: Vec<Orbit> = nodes.into_iter().map(|n| n.orbit).collect();
-    if end != End::SearchLimit {
+    if end != BranchEnd::SearchLimit {
         // The special orbit itself lies on the border.
         let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
         let last = orbits.last().unwrap_or(seed);
@@ -141,7 +141,7 @@ fn march_to(
         orbits.extend(inside);
     }
     let frequency_hz = orbits.last().unwrap_or(seed).frequency_hz;
-    (orbits, Edge { frequency_hz, end })
+    (orbits, BranchEdge { frequency_hz, end })
 }
 
 /// Ratios to the natural frequency at which a stable 1/1 is searched for.
@@ -198,7 +198,7 @@ pub(crate) fn settle(
         cycles: plan.cycles - plan.transient,
         transient: 0,
     };
-    let seen = observe(hammer.as_mut(), recorded, &mut Recorder::default()).ok()?;
+    let seen = observe(hammer.as_mut(), recorded, &mut CycleRecorder::default()).ok()?;
     if !seen.regime.is(1, 1) {
         return None;
     }
@@ -215,15 +215,15 @@ mod tests {
         let branches = one_one_branches(&WIRES, (0.5, 4.0));
         assert_eq!(branches.len(), 1);
         let branch = &branches[0];
-        let ratio = |edge: Edge| edge.frequency_hz / WIRES.natural_frequency_hz();
+        let ratio = |edge: BranchEdge| edge.frequency_hz / WIRES.natural_frequency_hz();
         // Several contacts per cycle below about 1.16, doubled at 2.7.
-        assert_eq!(branch.low.end, End::ExtraContact);
+        assert_eq!(branch.low.end, BranchEnd::ExtraContact);
         assert!(
             (1.14..1.17).contains(&ratio(branch.low)),
             "{}",
             ratio(branch.low)
         );
-        assert_eq!(branch.high.end, End::PeriodDoubling);
+        assert_eq!(branch.high.end, BranchEnd::PeriodDoubling);
         assert!(
             (2.6..2.7).contains(&ratio(branch.high)),
             "{}",
@@ -244,7 +244,7 @@ mod tests {
                 cycles: 900,
                 transient: 860,
             };
-            observe(hammer.as_mut(), plan, &mut Recorder::default())
+            observe(hammer.as_mut(), plan, &mut CycleRecorder::default())
                 .unwrap()
                 .regime
         };

@@ -7,9 +7,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use serde::Serialize;
 use shared::model::params::RigParams;
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 
-use crate::contact_law::undriven::{Course, Piece, Track, Undriven};
+use crate::contact_law::undriven::{Course, MotionPiece, Track, Undriven};
 use crate::error::{DropTestError, Error};
 use crate::low_pass::{self, LowPass};
 use crate::noise::Noise;
@@ -153,7 +153,7 @@ impl Default for DropTest {
 
 /// One sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct DropSample {
     /// Since the release, s.
     pub time_s: f64,
     /// Force as the sensor has it, N.
@@ -232,7 +232,7 @@ fn released(params: &RigParams, rig: &Rig<f64>, release_m: f64) -> Result<Undriv
 ///
 /// # Errors
 /// If a parameter is out of range, or the hammer never reaches the surface.
-pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
+pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<DropSample>, Error> {
     let rig = Rig::<f64>::new(params)?;
     let courses = impacts(params, &rig, test.release_m, test.impacts)?;
     let Some(last) = courses.last() else {
@@ -301,7 +301,7 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
             converter.take(disturb(seen, &mut noise));
             converter.now()
         };
-        Row {
+        DropSample {
             time_s: shown_s,
             force_n: quantised(test, shown),
             displacement_mm: rig.relative_displacement(q)
@@ -335,13 +335,13 @@ fn pieces(
     rig: &Rig<f64>,
     release_m: f64,
     until_s: f64,
-) -> Result<Vec<Piece>, Error> {
+) -> Result<Vec<MotionPiece>, Error> {
     let mut hammer = released(params, rig, release_m)?;
     let mut track = Track::default();
     while hammer.now().t < until_s {
         hammer.advance(&mut track).ok_or(DropTestError::Lost)?;
         // A contact that lasts has no end to wait for.
-        let touches = |piece: &Piece| piece.mode == Mode::Contact;
+        let touches = |piece: &MotionPiece| piece.mode == SwitchMode::Contact;
         if track.pieces.len() > 1_000_000 && track.pieces.last().is_some_and(touches) {
             break;
         }

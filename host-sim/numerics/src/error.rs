@@ -8,7 +8,7 @@ use shared::model::params::ParamError;
 use thiserror::Error;
 
 use crate::engine::RATIOS;
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::row::{significant, tidy};
 
 /// Why there is no answer.
@@ -267,7 +267,7 @@ pub enum BasinsError {
     )]
     Window {
         /// Which.
-        side: Side,
+        side: WindowSide,
         /// From which value, m or m/s.
         from: f64,
         /// To which.
@@ -311,7 +311,7 @@ pub enum BasinsError {
 
 /// A side of the window of starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum WindowSide {
     /// Displacements.
     Displacement,
     /// Velocities.
@@ -532,13 +532,13 @@ pub enum PickError {
         /// Where a stable 1/1 is, Hz.
         range_hz: (f64, f64),
         /// The limits.
-        limits: Limits,
+        limits: PickLimits,
         /// What those of them that cannot be kept would have to be at least.
-        feasible: Box<Limits>,
+        feasible: Box<PickLimits>,
     },
 }
 
-impl fmt::Display for Side {
+impl fmt::Display for WindowSide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Displacement => "displacement",
@@ -622,12 +622,12 @@ fn share_left(share: Option<f64>) -> String {
 }
 
 /// What the limits would have to be at least, four digits, rounded up so that they can be kept.
-fn nearest_limits(feasible: Limits) -> String {
+fn nearest_limits(feasible: PickLimits) -> String {
     let up = |x: f64| {
         let scale = 10f64.powi(3 - x.abs().log10().floor() as i32);
         (x * scale).ceil() / scale
     };
-    let least = named(Limits {
+    let least = named(PickLimits {
         max_force_n: feasible.max_force_n.map(up),
         max_frequency_hz: feasible.max_frequency_hz.map(up),
         max_shaker_force_n: feasible.max_shaker_force_n.map(up),
@@ -639,7 +639,7 @@ fn nearest_limits(feasible: Limits) -> String {
     }
 }
 
-fn named(limits: Limits) -> Vec<String> {
+fn named(limits: PickLimits) -> Vec<String> {
     let one = |name: &str, limit: Option<f64>| limit.map(|limit| format!("{name} = {limit}"));
     [
         one("max_force_n", limits.max_force_n),

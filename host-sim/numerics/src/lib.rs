@@ -53,6 +53,6 @@ pub mod sweep;
 pub mod uncertainty;
 
 pub use error::Error;
-pub use limits::Limits;
+pub use limits::PickLimits;
 pub use row::{CartModel, NamedRig};
 pub use uncertainty::Uncertainty;

@@ -6,7 +6,7 @@ use shared::model::params::RigParams;
 
 /// What the operating point must respect.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
+pub struct PickLimits {
     /// Largest contact force allowed, N, for every member of the uncertainty.
     pub max_force_n: Option<f64>,
     /// Largest drive frequency allowed, Hz.
@@ -18,7 +18,7 @@ pub struct Limits {
     pub rig_shaker_force_n: Option<f64>,
 }
 
-impl Limits {
+impl PickLimits {
     /// These limits and the one of the shaker of `params`, if its cart recoils.
     #[must_use]
     pub fn with_shaker_of(self, params: &RigParams) -> Self {

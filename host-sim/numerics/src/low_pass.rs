@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Output and its rate over the corner's angular frequency.
-pub type State = [f64; 2];
+pub type FilterState = [f64; 2];
 
 /// How the state decays after a time of `phase` radians of the corner with no input: the matrix exponential, row by
 /// row. `damping` is below 1.
@@ -21,10 +21,10 @@ pub fn advance(
     damping: f64,
     phase: f64,
     decay: &[[f64; 2]; 2],
-    state: State,
+    state: FilterState,
     from: f64,
     to: f64,
-) -> State {
+) -> FilterState {
     // Along a ramp the output lags by 2ζ radians; what is left of the state decays.
     let slope = (to - from) / phase;
     let lag = 2.0 * damping * slope;
@@ -62,7 +62,7 @@ pub struct LowPass {
     damping: f64,
     phase: f64,
     decay: [[f64; 2]; 2],
-    state: State,
+    state: FilterState,
     input: f64,
 }
 

@@ -17,7 +17,7 @@ use crate::reference::Reference;
 
 /// How long to follow a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct LyapunovSpan {
     /// Drive periods before the first that counts; the directions turn with the flow meanwhile.
     pub transient: u32,
     /// Drive periods that count, at least [`BLOCKS`].
@@ -72,7 +72,7 @@ pub fn exponents(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
-    plan: Span,
+    plan: LyapunovSpan,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let (q, v) = seeds(section);
@@ -89,7 +89,7 @@ pub fn of_smoothed(
     frequency_hz: f64,
     epsilon_m: f64,
     section: [f64; 2],
-    plan: Span,
+    plan: LyapunovSpan,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let carrier = Reference::smoothed(params, frequency_hz, epsilon_m, seeds(section))?;
@@ -112,7 +112,7 @@ fn grow(
     mut carrier: Reference<Dual<2>>,
     units: [f64; 4],
     frequency_hz: f64,
-    plan: Span,
+    plan: LyapunovSpan,
 ) -> Result<Exponents, Error> {
     if plan.periods < BLOCKS {
         return Err(Error::LyapunovPeriods {

@@ -108,7 +108,7 @@ impl NamedRig {
 
 /// One run. Units are in the names.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// Name of the rig.
     pub rig: String,
     /// Clearance at rest, mm.
@@ -159,7 +159,7 @@ struct Shown<'a> {
     contact_time_ms: Option<f64>,
 }
 
-impl Serialize for Row {
+impl Serialize for RunRow {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let known = |x: f64| (!self.failed).then_some(x);
         let shown = Shown {
@@ -218,7 +218,7 @@ impl Serialize for Outcome {
     }
 }
 
-impl Row {
+impl RunRow {
     /// The row of a run of the rig `rig` with `params`.
     pub fn new(rig: &str, params: &RigParams, seen: &Observation) -> Self {
         Self {

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use crate::engine::{Engine, Plan, Recorder, Start, machine, observe, observe_settled};
+use crate::engine::{CycleRecorder, Engine, Plan, Start, machine, observe, observe_settled};
 use crate::error::Error;
 use crate::progress::{Progress, step};
 use crate::row::NamedRig;
-use crate::row::Row;
+use crate::row::RunRow;
 
 /// In which order the frequencies are visited and what is carried from one to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub fn sweep(
     direction: Direction,
     plan: Plan,
     progress: &dyn Progress,
-) -> Result<Vec<Row>, Error> {
+) -> Result<Vec<RunRow>, Error> {
     let run =
         |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
     if direction == Direction::Rest {
@@ -81,7 +81,7 @@ pub fn sweep(
 
 /// What became of a run: its row, and where it ended, or why it failed.
 struct Ran {
-    row: Row,
+    row: RunRow,
     end: Result<[f64; 2], Error>,
 }
 
@@ -96,7 +96,7 @@ impl Ran {
 }
 
 /// The rows; the first error if every run failed.
-fn unless_all_failed(runs: Vec<Ran>) -> Result<Vec<Row>, Error> {
+fn unless_all_failed(runs: Vec<Ran>) -> Result<Vec<RunRow>, Error> {
     if let Some(Err(error)) = runs.first().map(|ran| &ran.end)
         && runs.iter().all(|ran| ran.row.failed)
     {
@@ -116,7 +116,7 @@ pub fn over(
     direction: Direction,
     plan: Plan,
     progress: &dyn Progress,
-) -> Result<Vec<Row>, Error> {
+) -> Result<Vec<RunRow>, Error> {
     let run = |(rig, hz): &(NamedRig, f64), start| run_one(rig, engine, *hz, start, plan, progress);
     if direction == Direction::Rest {
         let rows = runs.par_iter().map(|one| run(one, Start::Rest));
@@ -150,18 +150,18 @@ fn run_one(
     let mut hammer = machine(engine, &rig.params, frequency_hz, start)?;
     let seen = match engine {
         Engine::Event => observe_settled(hammer.as_mut(), plan),
-        Engine::Switch(_) => observe(hammer.as_mut(), plan, &mut Recorder::default()),
+        Engine::Switch(_) => observe(hammer.as_mut(), plan, &mut CycleRecorder::default()),
     };
     step(progress, 1)?;
     match seen {
         Ok(seen) => Ok(Ran {
-            row: Row::new(&rig.name, &rig.params, &seen),
+            row: RunRow::new(&rig.name, &rig.params, &seen),
             end: Ok(hammer.section()),
         }),
         Err(Error::Motion(why)) => Ok(Ran {
-            row: Row {
+            row: RunRow {
                 failure: Some(why),
-                ..Row::failed(&rig.name, &rig.params, frequency_hz)
+                ..RunRow::failed(&rig.name, &rig.params, frequency_hz)
             },
             end: Err(Error::Motion(why)),
         }),
@@ -172,14 +172,14 @@ fn run_one(
 /// The frequencies (Hz, rising) at which the up and the down sweep differ by more than `share` of force:
 /// two attractors over one frequency, between which the hammer jumps. Frequencies at which neither repeats
 /// are passed over: the largest force of an aperiodic run depends on how long the run is.
-pub fn jumps(up: &[Row], down: &[Row], weight_n: f64, share: f64) -> Vec<f64> {
-    let differs = |(a, b): (&Row, &Row)| {
+pub fn jumps(up: &[RunRow], down: &[RunRow], weight_n: f64, share: f64) -> Vec<f64> {
+    let differs = |(a, b): (&RunRow, &RunRow)| {
         // Against at least the hammer's weight: two nearly silent runs are alike.
         let scale = a.force_n.max(b.force_n).max(weight_n);
         if a.failed || b.failed {
             return None;
         }
-        let repeats = |r: &Row| r.periods.is_some() || r.regime == Regime::None;
+        let repeats = |r: &RunRow| r.periods.is_some() || r.regime == Regime::None;
         let differs = (repeats(a) || repeats(b)) && (a.force_n - b.force_n).abs() > share * scale;
         differs.then_some(a.frequency_hz)
     };
@@ -194,7 +194,7 @@ pub fn spread(from_hz: f64, to_hz: f64, count: usize) -> Vec<f64> {
 
 /// A measured force curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredCurve {
     /// (frequency in Hz, force in N), as read.
     pub points: Vec<(f64, f64)>,
 }
@@ -214,10 +214,10 @@ pub struct MeasuredError {
     pub largest_percent: f64,
 }
 
-impl Measured {
+impl MeasuredCurve {
     /// The error of `rows` (by rising frequency) against this measurement, interpolated linearly.
-    pub fn error(&self, rows: &[Row]) -> MeasuredError {
-        let rows: Vec<&Row> = rows.iter().filter(|r| !r.failed).collect();
+    pub fn error(&self, rows: &[RunRow]) -> MeasuredError {
+        let rows: Vec<&RunRow> = rows.iter().filter(|r| !r.failed).collect();
         let simulated = |frequency_hz: f64| {
             let above = rows.partition_point(|r| r.frequency_hz < frequency_hz);
             let b = rows.get(above)?;
@@ -260,7 +260,7 @@ pub fn single(
     frequency_hz: f64,
     start: Start,
     plan: Plan,
-) -> Result<Row, Error> {
+) -> Result<RunRow, Error> {
     let rig = NamedRig::new(String::new(), *params);
     let ran = run_one(&rig, Engine::Event, frequency_hz, start, plan, &())?;
     ran.end.map(|_| ran.row)
@@ -276,7 +276,7 @@ mod tests {
         transient: 140,
     };
 
-    fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<Row> {
+    fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<RunRow> {
         let rig = NamedRig::new("wires", RigParams { gap_m, ..WIRES });
         sweep(&rig, Engine::Event, frequencies, direction, PLAN, &()).unwrap()
     }
@@ -314,7 +314,7 @@ mod tests {
     fn the_error_against_a_measurement_made_from_the_curve_is_what_was_put_in() {
         let rows = curve(0.0, &spread(2.0, 3.0, 11), Direction::Rest);
         let points = rows.iter().map(|r| (r.frequency_hz, r.force_n / 1.1));
-        let measured = Measured {
+        let measured = MeasuredCurve {
             points: points.chain([(9.0, 1.0)]).collect(),
         };
         let error = measured.error(&rows);

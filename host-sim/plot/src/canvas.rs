@@ -11,8 +11,8 @@ use plotters::style::Color as _;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::font::Font;
-use super::raster::Image;
-use super::shape::{Recorder, Shape, Spot};
+use super::raster::PixelImage;
+use super::shape::{DrawnShape, ShapeRecorder, Spot};
 use super::svg::FAMILY;
 use super::{Color, Mark, PictureError, Stroke};
 
@@ -23,7 +23,7 @@ pub(super) const UNIT: f64 = 4.0;
 pub(super) const LIBRARY_FONT_SIZE: f64 = 1.24;
 
 /// The drawing area behind the canvas.
-pub(super) type Area<'a> = DrawingArea<Recorder<'a>, Shift>;
+pub(super) type PictureArea<'a> = DrawingArea<ShapeRecorder<'a>, Shift>;
 
 /// A rectangle in CSS px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,9 +111,9 @@ impl Letters {
 
 /// Draws on an area in CSS px.
 pub(super) struct Canvas<'a, 'b> {
-    pub area: &'b Area<'a>,
+    pub area: &'b PictureArea<'a>,
     /// What is drawn so far.
-    pub shapes: &'b RefCell<Vec<Shape>>,
+    pub shapes: &'b RefCell<Vec<DrawnShape>>,
 }
 
 impl Canvas<'_, '_> {
@@ -141,8 +141,8 @@ impl Canvas<'_, '_> {
     }
 
     /// Shows `pixels` between two corners, cut to those of `frame`.
-    pub fn image(&self, pixels: Image, corners: [Spot; 2], frame: [Spot; 2]) {
-        self.shapes.borrow_mut().push(Shape::Image {
+    pub fn image(&self, pixels: PixelImage, corners: [Spot; 2], frame: [Spot; 2]) {
+        self.shapes.borrow_mut().push(DrawnShape::Image {
             pixels,
             corners,
             frame,

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use super::canvas::{Canvas, Rect, UNIT, px, spot};
-use super::raster::Image;
+use super::raster::PixelImage;
 use super::render::PNG_SCALE;
-use super::series::{Window, stretches, thin};
+use super::series::{DataWindow, stretches, thin};
 use super::shape::Spot;
 use super::ticks::{axis_range, is_drawable};
 use super::{Color, Item, Mark, Panel, PictureError, Range};
@@ -55,7 +55,7 @@ pub(super) fn on_even_axes(panel: &Panel) -> Cow<'_, Panel> {
 }
 
 /// The visible part of the plane, and whether anything finite is in the items.
-pub(super) fn window(panel: &Panel) -> (Window, bool) {
+pub(super) fn window(panel: &Panel) -> (DataWindow, bool) {
     let mut points: Vec<(f64, f64)> = Vec::new();
     // Cells fill the frame; curves keep a little off it.
     let mut margins = (0.02, 0.06);
@@ -80,7 +80,7 @@ pub(super) fn window(panel: &Panel) -> (Window, bool) {
     let beside_data = if points.is_empty() { &band_x[..] } else { &[] };
     let xs = points.iter().map(|p| p.0).chain(marked_x);
     let xs = xs.chain(beside_data.iter().copied());
-    let window = Window {
+    let window = DataWindow {
         x: axis_range(panel.x.range, xs, margins.0),
         y: axis_range(panel.y.range, points.iter().map(|p| p.1), margins.1),
     };
@@ -88,7 +88,7 @@ pub(super) fn window(panel: &Panel) -> (Window, bool) {
 }
 
 /// The visible part of a band.
-pub(super) fn band(a: f64, b: f64, window: Window) -> Option<(f64, f64)> {
+pub(super) fn band(a: f64, b: f64, window: DataWindow) -> Option<(f64, f64)> {
     let from = a.min(b).max(window.x.0);
     let to = a.max(b).min(window.x.1);
     (from < to).then_some((from, to))
@@ -115,7 +115,7 @@ pub(super) fn along(line: &[Spot]) -> Vec<(f64, f64)> {
 pub(super) fn draw(
     canvas: &Canvas,
     item: &Item,
-    (window, frame): (Window, Rect),
+    (window, frame): (DataWindow, Rect),
     to_spot: impl Fn((f64, f64)) -> Spot,
 ) -> Result<Vec<(f64, f64)>, PictureError> {
     let mut dots = Vec::new();
@@ -202,7 +202,7 @@ fn cloud(
     );
     let width = (corners[1].0 - left) / fine + 1;
     let height = (corners[1].1 - top) / fine + 1;
-    let mut image = Image::new(width.max(1) as usize, height.max(1) as usize)?;
+    let mut image = PixelImage::new(width.max(1) as usize, height.max(1) as usize)?;
     let side = (dot * f64::from(PNG_SCALE)).round().max(1.0) as i32;
     for (x, y) in spots {
         let corner = |v: i32, from: i32| (v - from).div_euclid(fine) - (side - 1) / 2;

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, Letters, Rect, px, spot};
 use super::layout::{Slot, beside, fit, stagger};
-use super::series::Window;
+use super::series::DataWindow;
 use super::shape::Spot;
 use super::{Color, Item, Mark, Panel, PictureError, Stroke};
 
@@ -134,7 +134,7 @@ pub(super) struct Marker {
 }
 
 /// The markers inside the window, their names arranged above `frame`.
-pub(super) fn markers(panel: &Panel, window: Window, frame: Rect) -> Vec<Marker> {
+pub(super) fn markers(panel: &Panel, window: DataWindow, frame: Rect) -> Vec<Marker> {
     let letters = Letters::new(NAME_TEXT);
     let mut markers: Vec<Marker> = Vec::new();
     for item in &panel.items {
@@ -199,7 +199,7 @@ impl Marker {
 pub(super) fn marked_points(
     canvas: &Canvas,
     panel: &Panel,
-    window: Window,
+    window: DataWindow,
     frame: Rect,
     dots: &[(f64, f64)],
     to_spot: impl Fn((f64, f64)) -> Spot,

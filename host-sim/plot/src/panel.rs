@@ -9,7 +9,7 @@ use super::canvas::{Canvas, Letters, Rect, library, printable, px, rgb, spot, un
 use super::data::{self, along, band, window};
 use super::layout::fit;
 use super::names::{MARKER_ROW, legend, marked_points, markers};
-use super::series::Window;
+use super::series::DataWindow;
 use super::ticks::Ticks;
 use super::{Axis, Color, Item, Panel, PictureError, Stroke, colorbar};
 
@@ -211,7 +211,7 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-fn y_ticks(panel: &Panel, window: Window, cell: Rect) -> Ticks {
+fn y_ticks(panel: &Panel, window: DataWindow, cell: Rect) -> Ticks {
     ticks(&panel.y, window.y, tick_count(cell.height() - 90.0, 32.0))
 }
 

@@ -9,15 +9,18 @@ use tiny_skia::{
 use super::PictureError;
 use super::canvas::{UNIT, library};
 use super::font::Font;
-use super::raster::Image;
+use super::raster::PixelImage;
 use super::render::PNG_SCALE;
-use super::shape::{Ink, Shape, Spot, Text};
+use super::shape::{DrawnShape, Ink, Spot, Text};
 
 /// The bytes of the file: `shapes` on a canvas shown `width` by `height` px, [`PNG_SCALE`] pixels each.
 ///
 /// # Errors
 /// If the picture is too large to hold or cannot be encoded.
-pub(super) fn file(shapes: &[Shape], (width, height): (u32, u32)) -> Result<Vec<u8>, PictureError> {
+pub(super) fn file(
+    shapes: &[DrawnShape],
+    (width, height): (u32, u32),
+) -> Result<Vec<u8>, PictureError> {
     let pixels = Pixmap::new(width * PNG_SCALE, height * PNG_SCALE);
     let scale = PNG_SCALE as f32 / UNIT as f32;
     let mut painter = Painter {
@@ -38,17 +41,19 @@ struct Painter {
 }
 
 impl Painter {
-    fn draw(&mut self, shape: &Shape) -> Option<()> {
+    fn draw(&mut self, shape: &DrawnShape) -> Option<()> {
         match shape {
-            Shape::Line { ends, width, ink } => self.stroke(&joined(ends, false)?, *width, *ink),
-            Shape::Polyline { spots, width, ink } => {
+            DrawnShape::Line { ends, width, ink } => {
+                self.stroke(&joined(ends, false)?, *width, *ink)
+            }
+            DrawnShape::Polyline { spots, width, ink } => {
                 self.stroke(&joined(spots, false)?, *width, *ink);
             }
-            Shape::Polygon { corners, ink } => self.fill(&joined(corners, true)?, *ink),
-            Shape::Rectangle { corners, ink } => {
+            DrawnShape::Polygon { corners, ink } => self.fill(&joined(corners, true)?, *ink),
+            DrawnShape::Rectangle { corners, ink } => {
                 self.fill(&PathBuilder::from_rect(rectangle(*corners)?), *ink);
             }
-            Shape::Circle {
+            DrawnShape::Circle {
                 middle: (x, y),
                 radius,
                 outline,
@@ -60,8 +65,8 @@ impl Painter {
                     None => self.fill(&circle, *ink),
                 }
             }
-            Shape::Text(text) => self.text(text)?,
-            Shape::Image {
+            DrawnShape::Text(text) => self.text(text)?,
+            DrawnShape::Image {
                 pixels,
                 corners,
                 frame,
@@ -111,7 +116,7 @@ impl Painter {
     }
 
     /// Even cells of colour with crisp edges.
-    fn image(&mut self, image: &Image, place: Rect, frame: Rect) -> Option<()> {
+    fn image(&mut self, image: &PixelImage, place: Rect, frame: Rect) -> Option<()> {
         let pixels = image.pixels();
         let (across, down) = (pixels.width() as f32, pixels.height() as f32);
         let (width, height) = (place.width() / across, place.height() / down);
@@ -173,7 +178,7 @@ mod tests {
     };
 
     /// First and last column and row touched, pixels, of a picture of 200 by 100 px.
-    fn extent(shape: Shape) -> [usize; 4] {
+    fn extent(shape: DrawnShape) -> [usize; 4] {
         let image = Pixmap::decode_png(&file(&[shape], (200, 100)).unwrap()).unwrap();
         let width = image.width() as usize;
         let touched = image.pixels().iter().enumerate();
@@ -186,7 +191,7 @@ mod tests {
 
     /// A text of 16 px with its anchor at 100, 50 px: pixel 200, 100.
     fn word(letters: &str, side: HPos, height: VPos, turn: u16) -> [usize; 4] {
-        extent(Shape::Text(Text {
+        extent(DrawnShape::Text(Text {
             letters: letters.to_owned(),
             at: (100 * UNIT as i32, 50 * UNIT as i32),
             size: 16.0 * UNIT,
@@ -244,11 +249,11 @@ mod tests {
 
     #[test]
     fn an_image_is_cut_to_its_frame_and_its_cells_stay_crisp() {
-        let mut pixels = Image::new(2, 1).unwrap();
+        let mut pixels = PixelImage::new(2, 1).unwrap();
         pixels.set(0, 0, Color::RED);
         pixels.set(1, 0, Color::BLUE);
         let px = |x: i32, y: i32| (x * UNIT as i32, y * UNIT as i32);
-        let image = |frame| Shape::Image {
+        let image = |frame| DrawnShape::Image {
             pixels: pixels.clone(),
             corners: [px(10, 10), px(50, 30)],
             frame,
@@ -268,25 +273,25 @@ mod tests {
     #[test]
     fn shapes_without_extent_leave_the_picture_clear() {
         for shape in [
-            Shape::Polyline {
+            DrawnShape::Polyline {
                 spots: Vec::new(),
                 width: 4,
                 ink: RED,
             },
-            Shape::Polyline {
+            DrawnShape::Polyline {
                 spots: vec![(5, 5)],
                 width: 4,
                 ink: RED,
             },
-            Shape::Polygon {
+            DrawnShape::Polygon {
                 corners: vec![(5, 5)],
                 ink: RED,
             },
-            Shape::Rectangle {
+            DrawnShape::Rectangle {
                 corners: [(5, 5), (5, 50)],
                 ink: RED,
             },
-            Shape::Circle {
+            DrawnShape::Circle {
                 middle: (5, 5),
                 radius: 0,
                 outline: None,

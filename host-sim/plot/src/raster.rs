@@ -104,9 +104,9 @@ impl Raster {
     }
 
     /// The cells as a picture, a pixel each, the lowest row at the bottom.
-    pub(super) fn image(&self) -> Result<Image, PictureError> {
+    pub(super) fn image(&self) -> Result<PixelImage, PictureError> {
         let rows = self.cells.len().div_ceil(self.columns).max(1);
-        let mut image = Image::new(self.columns, rows)?;
+        let mut image = PixelImage::new(self.columns, rows)?;
         for (i, color) in self.cells.iter().enumerate() {
             if let Some(color) = color {
                 image.set(i % self.columns, rows - 1 - i / self.columns, *color);
@@ -118,9 +118,9 @@ impl Raster {
 
 /// Pixels that are clear until set.
 #[derive(Clone)]
-pub(super) struct Image(Pixmap);
+pub(super) struct PixelImage(Pixmap);
 
-impl Image {
+impl PixelImage {
     pub fn new(width: usize, height: usize) -> Result<Self, PictureError> {
         let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let pixels = Pixmap::new(size(width), size(height));

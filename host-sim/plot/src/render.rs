@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use super::canvas::{Canvas, Letters, Rect, UNIT, library};
 use super::data::on_even_axes;
 use super::layout::{grid, wrap};
-use super::shape::{Recorder, Shape};
+use super::shape::{DrawnShape, ShapeRecorder};
 use super::{Color, Figure, PictureError, panel, pixels, svg};
 
 /// Pixels of a PNG per CSS px of the figure.
@@ -42,14 +42,14 @@ fn fine(figure: &Figure) -> (u32, u32) {
 }
 
 /// What both files show.
-pub(super) fn shapes(figure: &Figure) -> Result<Vec<Shape>, PictureError> {
+pub(super) fn shapes(figure: &Figure) -> Result<Vec<DrawnShape>, PictureError> {
     let (width, height) = figure.size;
     let allowed = 200..=8000;
     if !allowed.contains(&width) || !allowed.contains(&height) {
         return Err(PictureError::Size { width, height });
     }
     let shapes = RefCell::new(Vec::new());
-    let recorder = Recorder {
+    let recorder = ShapeRecorder {
         size: fine(figure),
         shapes: &shapes,
     };

@@ -5,12 +5,12 @@ use super::ticks::is_drawable;
 
 /// The visible rectangle in data units.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Window {
+pub(super) struct DataWindow {
     pub x: (f64, f64),
     pub y: (f64, f64),
 }
 
-impl Window {
+impl DataWindow {
     pub fn contains(&self, (x, y): Point) -> bool {
         (self.x.0..=self.x.1).contains(&x) && (self.y.0..=self.y.1).contains(&y)
     }
@@ -45,7 +45,7 @@ impl Window {
 
 /// Joined points as unbroken stretches inside the window. A stretch of one
 /// point stands for a point with a gap on either side.
-pub(super) fn stretches(points: &[Point], window: Window) -> Vec<Vec<Point>> {
+pub(super) fn stretches(points: &[Point], window: DataWindow) -> Vec<Vec<Point>> {
     let mut out: Vec<Vec<Point>> = Vec::new();
     for run in points.split(|(x, y)| !is_drawable(*x) || !is_drawable(*y)) {
         if let [only] = run {
@@ -94,7 +94,7 @@ pub(super) fn thin(points: Vec<(i32, i32)>) -> Vec<(i32, i32)> {
 mod tests {
     use super::*;
 
-    const UNIT: Window = Window {
+    const UNIT: DataWindow = DataWindow {
         x: (0.0, 1.0),
         y: (0.0, 1.0),
     };

@@ -10,7 +10,7 @@ use plotters_backend::{
 };
 
 use super::Color;
-use super::raster::Image;
+use super::raster::PixelImage;
 
 /// A place on the canvas, in canvas units.
 pub(super) type Spot = (i32, i32);
@@ -23,7 +23,7 @@ pub(super) struct Ink {
 }
 
 /// One thing drawn; all lengths are in canvas units.
-pub(super) enum Shape {
+pub(super) enum DrawnShape {
     Line {
         ends: [Spot; 2],
         width: u32,
@@ -53,7 +53,7 @@ pub(super) enum Shape {
     Text(Text),
     /// Pixels between two corners, cut to those of `frame`.
     Image {
-        pixels: Image,
+        pixels: PixelImage,
         corners: [Spot; 2],
         frame: [Spot; 2],
     },
@@ -74,17 +74,17 @@ pub(super) struct Text {
 }
 
 /// Collects what the drawing library draws.
-pub(super) struct Recorder<'a> {
+pub(super) struct ShapeRecorder<'a> {
     /// Width and height of the canvas.
     pub size: (u32, u32),
-    pub shapes: &'a RefCell<Vec<Shape>>,
+    pub shapes: &'a RefCell<Vec<DrawnShape>>,
 }
 
 type Recorded = Result<(), DrawingErrorKind<Infallible>>;
 
-impl Recorder<'_> {
+impl ShapeRecorder<'_> {
     /// Keeps the shape made of `color`, unless it cannot be seen.
-    fn keep(&self, color: BackendColor, shape: impl FnOnce(Ink) -> Shape) -> Recorded {
+    fn keep(&self, color: BackendColor, shape: impl FnOnce(Ink) -> DrawnShape) -> Recorded {
         let (r, g, b) = color.rgb;
         let ink = Ink {
             color: Color(r, g, b),
@@ -97,7 +97,7 @@ impl Recorder<'_> {
     }
 }
 
-impl DrawingBackend for Recorder<'_> {
+impl DrawingBackend for ShapeRecorder<'_> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
@@ -114,11 +114,11 @@ impl DrawingBackend for Recorder<'_> {
 
     fn draw_pixel(&mut self, (x, y): Spot, color: BackendColor) -> Recorded {
         let corners = [(x, y), (x + 1, y + 1)];
-        self.keep(color, |ink| Shape::Rectangle { corners, ink })
+        self.keep(color, |ink| DrawnShape::Rectangle { corners, ink })
     }
 
     fn draw_line<S: BackendStyle>(&mut self, from: Spot, to: Spot, style: &S) -> Recorded {
-        self.keep(style.color(), |ink| Shape::Line {
+        self.keep(style.color(), |ink| DrawnShape::Line {
             ends: [from, to],
             width: style.stroke_width(),
             ink,
@@ -138,7 +138,7 @@ impl DrawingBackend for Recorder<'_> {
             return self.draw_path(outline.chain([(left, top)]), style);
         }
         let corners = [(left, top), (right, bottom)];
-        self.keep(style.color(), |ink| Shape::Rectangle { corners, ink })
+        self.keep(style.color(), |ink| DrawnShape::Rectangle { corners, ink })
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = Spot>>(
@@ -146,7 +146,7 @@ impl DrawingBackend for Recorder<'_> {
         path: I,
         style: &S,
     ) -> Recorded {
-        self.keep(style.color(), |ink| Shape::Polyline {
+        self.keep(style.color(), |ink| DrawnShape::Polyline {
             spots: path.into_iter().collect(),
             width: style.stroke_width(),
             ink,
@@ -158,7 +158,7 @@ impl DrawingBackend for Recorder<'_> {
         path: I,
         style: &S,
     ) -> Recorded {
-        self.keep(style.color(), |ink| Shape::Polygon {
+        self.keep(style.color(), |ink| DrawnShape::Polygon {
             corners: path.into_iter().collect(),
             ink,
         })
@@ -171,7 +171,7 @@ impl DrawingBackend for Recorder<'_> {
         style: &S,
         fill: bool,
     ) -> Recorded {
-        self.keep(style.color(), |ink| Shape::Circle {
+        self.keep(style.color(), |ink| DrawnShape::Circle {
             middle,
             radius,
             outline: (!fill).then(|| style.stroke_width()),
@@ -181,7 +181,7 @@ impl DrawingBackend for Recorder<'_> {
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: Spot) -> Recorded {
         self.keep(style.color(), |ink| {
-            Shape::Text(Text {
+            DrawnShape::Text(Text {
                 letters: text.to_owned(),
                 at,
                 size: style.size() / super::canvas::LIBRARY_FONT_SIZE,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::PictureError;
-use super::shape::{Ink, Shape, Spot, Text};
+use super::shape::{DrawnShape, Ink, Spot, Text};
 
 /// Fonts asked for. The first is the one the PNG is drawn with and texts are measured by; the others are its common
 /// stand-ins.
@@ -17,7 +17,7 @@ pub(super) const FAMILY: &str =
 /// # Errors
 /// If an image inside cannot be encoded.
 pub(super) fn document(
-    shapes: &[Shape],
+    shapes: &[DrawnShape],
     size: (u32, u32),
     fine: (u32, u32),
 ) -> Result<String, PictureError> {
@@ -32,9 +32,9 @@ pub(super) fn document(
     Ok(svg + "</svg>\n")
 }
 
-fn element(shape: &Shape) -> Result<String, PictureError> {
+fn element(shape: &DrawnShape) -> Result<String, PictureError> {
     Ok(match shape {
-        Shape::Line {
+        DrawnShape::Line {
             ends: [(x1, y1), (x2, y2)],
             width,
             ink,
@@ -42,24 +42,24 @@ fn element(shape: &Shape) -> Result<String, PictureError> {
             let stroke = stroke(*ink, *width);
             format!("<line {stroke} x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"/>")
         }
-        Shape::Polyline { spots, width, ink } => format!(
+        DrawnShape::Polyline { spots, width, ink } => format!(
             "<polyline fill=\"none\" {} points=\"{}\"/>",
             stroke(*ink, *width),
             places(spots)
         ),
-        Shape::Polygon { corners, ink } => format!(
+        DrawnShape::Polygon { corners, ink } => format!(
             "<polygon opacity=\"{}\" fill=\"{}\" points=\"{}\"/>",
             ink.alpha,
             hex(*ink),
             places(corners)
         ),
-        Shape::Rectangle { corners, ink } => format!(
+        DrawnShape::Rectangle { corners, ink } => format!(
             "<rect {} opacity=\"{}\" fill=\"{}\" stroke=\"none\"/>",
             extent(*corners),
             ink.alpha,
             hex(*ink)
         ),
-        Shape::Circle {
+        DrawnShape::Circle {
             middle: (x, y),
             radius,
             outline,
@@ -75,8 +75,8 @@ fn element(shape: &Shape) -> Result<String, PictureError> {
                 outline.unwrap_or(1)
             )
         }
-        Shape::Text(text) => letters(text),
-        Shape::Image {
+        DrawnShape::Text(text) => letters(text),
+        DrawnShape::Image {
             pixels,
             corners,
             frame,
@@ -170,7 +170,7 @@ mod tests {
 
     use super::*;
     use crate::Color;
-    use crate::raster::Image;
+    use crate::raster::PixelImage;
 
     const RED: Ink = Ink {
         color: Color::RED,
@@ -179,10 +179,10 @@ mod tests {
 
     #[test]
     fn every_shape_is_an_element() {
-        let mut pixels = Image::new(1, 1).unwrap();
+        let mut pixels = PixelImage::new(1, 1).unwrap();
         pixels.set(0, 0, Color::BLUE);
         let thin = Ink { alpha: 0.5, ..RED };
-        let circle = |outline| Shape::Circle {
+        let circle = |outline| DrawnShape::Circle {
             middle: (4, 5),
             radius: 6,
             outline,
@@ -190,7 +190,7 @@ mod tests {
         };
         let cases = [
             (
-                Shape::Line {
+                DrawnShape::Line {
                     ends: [(1, 2), (3, 4)],
                     width: 5,
                     ink: thin,
@@ -198,7 +198,7 @@ mod tests {
                 r##"<line opacity="0.5" stroke="#D55E00" stroke-width="5" x1="1" y1="2" x2="3" y2="4"/>"##,
             ),
             (
-                Shape::Polyline {
+                DrawnShape::Polyline {
                     spots: vec![(1, 2), (-3, 4)],
                     width: 5,
                     ink: RED,
@@ -206,14 +206,14 @@ mod tests {
                 r##"<polyline fill="none" opacity="1" stroke="#D55E00" stroke-width="5" points="1,2 -3,4 "/>"##,
             ),
             (
-                Shape::Polygon {
+                DrawnShape::Polygon {
                     corners: vec![(1, 2), (3, 4), (5, 0)],
                     ink: RED,
                 },
                 r##"<polygon opacity="1" fill="#D55E00" points="1,2 3,4 5,0 "/>"##,
             ),
             (
-                Shape::Rectangle {
+                DrawnShape::Rectangle {
                     corners: [(1, 2), (11, 22)],
                     ink: RED,
                 },
@@ -231,7 +231,7 @@ mod tests {
         for (shape, expected) in cases {
             assert_eq!(element(&shape).unwrap(), expected);
         }
-        let image = Shape::Image {
+        let image = DrawnShape::Image {
             pixels,
             corners: [(0, 0), (30, 40)],
             frame: [(10, 20), (20, 40)],
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn letters_keep_their_size_place_and_turn() {
-        let text = Shape::Text(Text {
+        let text = DrawnShape::Text(Text {
             letters: "a < b & 'c'".to_owned(),
             at: (7, 8),
             size: 48.0,

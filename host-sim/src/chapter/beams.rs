@@ -1,11 +1,11 @@
 //! Sections 3.4.1 to 3.4.3: the hammer on beam springs.
 
-use super::{Statement, Verdict};
+use super::{ChapterVerdict, Statement};
 use crate::figures::Effort;
 use crate::figures::force::strongest;
-use crate::figures::force_curves::{Curve, curves};
-use crate::figures::modes::{Change, change_over};
-use crate::progress::Progress;
+use crate::figures::force_curves::{SweepCurves, curves};
+use crate::figures::modes::{ModesChange, change_over};
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
 use numerics::sweep::jumps;
@@ -15,7 +15,7 @@ const PICTURES: &str = "modes 170, modes 150, modes 135, modes mass";
 
 const RIGS: [&str; 3] = ["beam-170", "beam-150", "beam-135"];
 
-pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn statements(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = modelling()?;
     all.extend(force(progress)?);
     all.extend(modes(effort, progress)?);
@@ -29,13 +29,13 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
             "\"no impact, i.e., x − (y + gap) > 0\"",
             "contact is where this, the penetration (3-33), is 0 or more: the sign is misprinted"
                 .into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
         Statement::new(
             "3.4.1, (3-35)",
             "h_α = A0 sin(Ωt) + gap",
             "the penetration is x − y − gap (3-33)".into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
     ];
     for (name, printed, words) in [
@@ -50,15 +50,15 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
             "3.4.1, Table 3.3",
             words,
             format!("2 ζ m ω with the table's ζ = 0.004: {c:.4} N·s/m"),
-            Verdict::of((c - printed).abs() < 0.005),
+            ChapterVerdict::of((c - printed).abs() < 0.005),
         ));
     }
     Ok(all)
 }
 
-fn force(progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn force(progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let curves = curves(&RIGS, &[0.0, 1.0, 3.0], (0.6, 4.0), Effort::Full, progress)?;
-    let jumping = |c: &Curve| {
+    let jumping = |c: &SweepCurves| {
         let apart = jumps(&c.up, &c.down, c.params.weight_n(), 0.1);
         let natural = c.params.natural_frequency_hz();
         let ends = apart.first().zip(apart.last());
@@ -70,14 +70,14 @@ fn force(progress: &Progress) -> Result<Vec<Statement>, UserError> {
         }
         None => "carried up and down agree everywhere".to_owned(),
     };
-    let best = |c: &Curve| strongest(&c.up).map_or(0.0, |row| row.force_ratio);
+    let best = |c: &SweepCurves| strongest(&c.up).map_or(0.0, |row| row.force_ratio);
     let [zero, one, three] = [0, 1, 2].map(|k| best(&curves[k]));
     Ok(vec![
         Statement::new(
             "3.4.2, figure 3.40c",
             "\"the presence of the nonlinear jump, for the 3.0 mm gap\" (170 mm)",
             words(jumping(&curves[2])),
-            Verdict::of(jumping(&curves[2]).is_some()),
+            ChapterVerdict::of(jumping(&curves[2]).is_some()),
         ),
         Statement::measured(
             "3.4.2, figure 3.40",
@@ -90,7 +90,7 @@ fn force(progress: &Progress) -> Result<Vec<Statement>, UserError> {
             "3.4.2, figure 3.40b",
             "force at 1.0 mm expected \"in between 0.0 mm and 3.0 mm gap\"",
             format!("largest 1/1 force, carried up: {zero:.1}, {one:.1}, {three:.1} m g"),
-            Verdict::of((zero.min(three)..=zero.max(three)).contains(&one)),
+            ChapterVerdict::of((zero.min(three)..=zero.max(three)).contains(&one)),
         ),
         Statement::measured(
             "3.4.2, figure 3.41c",
@@ -105,11 +105,11 @@ fn force(progress: &Progress) -> Result<Vec<Statement>, UserError> {
     ])
 }
 
-fn modes(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn modes(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let changes = RIGS.map(|rig| change_over(rig, effort, progress));
     let [a, b, c] = changes;
-    let changes: [Change; 3] = [a?, b?, c?];
-    let list = |of: fn(&Change) -> f64| {
+    let changes: [ModesChange; 3] = [a?, b?, c?];
+    let list = |of: fn(&ModesChange) -> f64| {
         changes
             .iter()
             .map(|c| format!("{:+.1} %", of(c)))
@@ -138,28 +138,28 @@ fn modes(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserErro
             format!(
                 "from one mode to five the swing changes by {swing} (170, 150, 135 mm; medians, springs of 0.1 of the hammer's mass assumed)"
             ),
-            Verdict::of(falls),
+            ChapterVerdict::of(falls),
         )
         .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "amplitude too high \"even when the impact force is presenting equivalent values\"",
             format!("the force changes by {force}, the swing by {swing}"),
-            Verdict::of(falls && steady),
+            ChapterVerdict::of(falls && steady),
         )
         .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "\"dispersion of the experimental points\" in steady motion, from the modes",
             format!("with five modes the section of a 1/1 spreads over {spread:.4} mm at most"),
-            Verdict::of(spread > 0.01),
+            ChapterVerdict::of(spread > 0.01),
         )
         .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "the difference is \"higher as the beam springs stiffness increases\"",
             format!("change of the swing: {swing} from soft to stiff"),
-            Verdict::of(grows),
+            ChapterVerdict::of(grows),
         )
         .shown_by(PICTURES),
     ])

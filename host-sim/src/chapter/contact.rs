@@ -2,12 +2,12 @@
 
 use shared::model::contact::{Law, LawKind, TABLE_3_1};
 
-use super::{Statement, Verdict};
+use super::{ChapterVerdict, Statement};
 use crate::figures::Effort;
 use crate::figures::section::rig;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, rows};
+use numerics::contact_law::{ContactFigures, FIGURE_3_3, FIGURE_3_3_MASS_KG, rows};
 use numerics::engine::Start;
 use numerics::poincare::{SectionRequest, against};
 
@@ -15,14 +15,14 @@ use numerics::poincare::{SectionRequest, against};
 const MASS_KG: f64 = 0.298;
 const SPEED: f64 = 0.08;
 
-pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn statements(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = laws()?;
     all.extend(smoothing(effort, progress)?);
     all.extend(identified()?);
     Ok(all)
 }
 
-fn one(law: Law<f64>) -> Result<Row, UserError> {
+fn one(law: Law<f64>) -> Result<ContactFigures, UserError> {
     let mut seen = rows("", law, MASS_KG, &[SPEED])?;
     seen.pop()
         .ok_or_else(|| UserError::new("a contact that was asked for was not made"))
@@ -46,7 +46,7 @@ fn laws() -> Result<Vec<Statement>, UserError> {
             "3.1.2, Hertz",
             "\"its equivalent coefficient of restitution is 1\"",
             format!("restitution {:.4} at {SPEED} m/s", hertz.restitution),
-            Verdict::of((hertz.restitution - 1.0).abs() < 1e-4),
+            ChapterVerdict::of((hertz.restitution - 1.0).abs() < 1e-4),
         )
         .shown_by("contact laws"),
         Statement::new(
@@ -56,7 +56,7 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 "Table 3.1 at {SPEED} m/s: the force begins at {onset:.1} N; its peak is {:.1} N",
                 dashpot.force_n
             ),
-            Verdict::of(onset > 0.1 * dashpot.force_n),
+            ChapterVerdict::of(onset > 0.1 * dashpot.force_n),
         ),
         Statement::new(
             "3.1.2, figure 3.2, point B",
@@ -68,7 +68,7 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 dashpot.restitution,
                 dashpot.pulling_restitution
             ),
-            Verdict::of(dashpot.pull_n > 0.0),
+            ChapterVerdict::of(dashpot.pull_n > 0.0),
         ),
         Statement::new(
             "3.1.2, Hunt and Crossley",
@@ -77,7 +77,7 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 "figure 3.3's law from {} to {} m/s: no pull at any speed, restitution {:.3} to {:.3}",
                 speeds[0], speeds[2], crossley[0].restitution, crossley[2].restitution
             ),
-            Verdict::of(never_pulls),
+            ChapterVerdict::of(never_pulls),
         )
         .shown_by("3.3"),
         Statement::measured(
@@ -92,13 +92,13 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 "given e = {given}, the law rebounds at {:.3} of the approach speed (at e = 0 at 0.66): it is not e",
                 lankarani.restitution
             ),
-            Verdict::of((lankarani.restitution - given).abs() < 0.05),
+            ChapterVerdict::of((lankarani.restitution - given).abs() < 0.05),
         )
         .shown_by("contact laws"),
     ])
 }
 
-fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let rig = rig("wires", 1.0)?;
     let (points, widths): (u32, &[f64]) = match effort {
         Effort::Full => (4000, &against::WIDTHS_M),
@@ -125,7 +125,7 @@ fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
             format!(
                 "wires, 1.0 mm, Ω/ω = 2.7: up to {most:.0} steps per drive period, the switch {switch:.0}"
             ),
-            Verdict::of(most > 1.5 * switch),
+            ChapterVerdict::of(most > 1.5 * switch),
         )
         .shown_by("3.4"),
         Statement::new(
@@ -135,7 +135,7 @@ fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 "there the clouds lie at least {least:.3} A0 from the switch's; two runs of the switch {:.4} A0 apart",
                 found.again.carried
             ),
-            Verdict::of(least > 3.0 * found.again.carried),
+            ChapterVerdict::of(least > 3.0 * found.again.carried),
         ),
     ])
 }
@@ -162,7 +162,7 @@ fn identified() -> Result<Vec<Statement>, UserError> {
                 "energy lost per contact {:.1e} of what came in",
                 (hertz.energy_lost_j / hertz.energy_in_j).abs()
             ),
-            Verdict::of((hertz.energy_lost_j / hertz.energy_in_j).abs() < 1e-3),
+            ChapterVerdict::of((hertz.energy_lost_j / hertz.energy_in_j).abs() < 1e-3),
         )
         .shown_by("contact laws"),
         Statement::measured(

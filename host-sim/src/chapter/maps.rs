@@ -1,12 +1,12 @@
 //! Sections 3.3.6 and 3.4.3: Peterka maps and basins of attraction.
 
-use super::{Statement, Verdict, percent};
+use super::{ChapterVerdict, Statement, percent};
 use crate::figures::Effort;
 use crate::figures::map::{chapter_map, silent_after_one_one, unrest_shares};
 use crate::figures::map_force::{at_edge, strongest_rows};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
-use numerics::basins::chapter::{POINTS, Point};
+use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::explore;
 use numerics::engine::Engine;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
@@ -16,7 +16,7 @@ use shared::model::params::WIRES;
 /// Every sixth gap and frequency.
 const EVERY: usize = 6;
 
-fn map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+fn map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
     let every = match effort {
         Effort::Full => 1,
         Effort::Coarse => EVERY,
@@ -24,7 +24,7 @@ fn map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError
     chapter_map(name, every, progress)
 }
 
-pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn wires(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let map = map("wires", effort, progress)?;
     let cells = chapter_gaps_mm(&WIRES).len() * chapter_frequencies_hz(&WIRES).len();
     let share = |p, n| {
@@ -42,7 +42,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
             "3.3.6, figure 3.24",
             "steps of \"0.01 mm in gap and 0.01 Hz in frequency, generating 209916 points\"",
             format!("the same grid: {cells} cells"),
-            Verdict::of(cells == 209_916),
+            ChapterVerdict::of(cells == 209_916),
         ),
         Statement::measured(
             "3.3.6, figure 3.24",
@@ -60,7 +60,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 share(1, 1),
                 share(1, 2)
             ),
-            Verdict::of(share(1, 1).min(share(1, 2)) > third),
+            ChapterVerdict::of(share(1, 1).min(share(1, 2)) > third),
         ),
         Statement::measured(
             "3.3.6, figure 3.25",
@@ -86,7 +86,12 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
             "3.3.6, figure 2.20",
             "a small push: impacts that end, or that \"remain in this state\"",
             "both fates occur at the points of figures 3.36 to 3.38, above".into(),
-            Verdict::of(all.iter().rev().take(6).all(|s| s.verdict == Verdict::Same)),
+            ChapterVerdict::of(
+                all.iter()
+                    .rev()
+                    .take(6)
+                    .all(|s| s.verdict == ChapterVerdict::Same),
+            ),
         )
         .shown_by("3.36, 3.37, 3.38"),
     );
@@ -114,7 +119,7 @@ fn edge(section: &str, words: &str, map: &Map) -> Statement {
         section,
         words,
         ours,
-        Verdict::of(low == 0 && !edge.is_empty()),
+        ChapterVerdict::of(low == 0 && !edge.is_empty()),
     )
 }
 
@@ -129,7 +134,7 @@ fn instability(wires: &Map, beams: &[Map]) -> Statement {
         format!(
             "of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2 and from rest, {on_wires:.1} % end without contact on wires, at least {least:.1} % on each beam"
         ),
-        Verdict::of((least - on_wires).abs() < 50.0),
+        ChapterVerdict::of((least - on_wires).abs() < 50.0),
     )
 }
 
@@ -141,16 +146,20 @@ fn unrest(section: &str, words: &str, map: &Map) -> Statement {
         format!(
             "between Ω/ω 1.5 and 2.6 neighbours in frequency differ in regime in {above:.1} % of pairs above 1.5 A0 and in {below:.1} % below"
         ),
-        Verdict::of(above > 1.2 * below),
+        ChapterVerdict::of(above > 1.2 * below),
     )
 }
 
-fn basin(point: &Point, effort: Effort, progress: &Progress) -> Result<Statement, UserError> {
+fn basin(
+    point: &ChapterBasin,
+    effort: Effort,
+    progress: &ProgressLine,
+) -> Result<Statement, UserError> {
     let side = match effort {
         Effort::Full => 100,
         Effort::Coarse => 60,
     };
-    let share = |point: &Point| -> Result<f64, UserError> {
+    let share = |point: &ChapterBasin| -> Result<f64, UserError> {
         let mut query = point.query(side, side)?;
         query.samples = 0;
         query.until = query.cycles;
@@ -166,7 +175,7 @@ fn basin(point: &Point, effort: Effort, progress: &Progress) -> Result<Statement
         100.0 * here
     );
     if (point.figure, point.part) == ("3.36", "a") {
-        let near = [1.99, 2.01].map(|ratio| share(&Point { ratio, ..*point }));
+        let near = [1.99, 2.01].map(|ratio| share(&ChapterBasin { ratio, ..*point }));
         let [below, above] = near;
         ours += &format!(
             "; {:.0} % at 1.99, {:.0} % at 2.01: a knife edge",
@@ -187,11 +196,11 @@ fn basin(point: &Point, effort: Effort, progress: &Progress) -> Result<Statement
         ),
         "\"condition of impact (blue) / no impact (red)\": both",
         ours,
-        Verdict::of(here > 0.0 && here < 1.0),
+        ChapterVerdict::of(here > 0.0 && here < 1.0),
     ))
 }
 
-pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let wires = map("wires", effort, progress)?;
     let names = ["beam-170", "beam-150", "beam-135"];
     let maps = names.map(|name| map(name, effort, progress));
@@ -221,7 +230,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 least(&like_wires, 1),
                 least(&like_wires, 0)
             ),
-            Verdict::of(least(&like_wires, 0) > 90.0),
+            ChapterVerdict::of(least(&like_wires, 0) > 90.0),
         ),
         instability(&wires, &maps),
         Statement::new(
@@ -232,20 +241,20 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 least(&pairs, 1),
                 least(&pairs, 0)
             ),
-            Verdict::of(least(&pairs, 0) > 97.0),
+            ChapterVerdict::of(least(&pairs, 0) > 97.0),
         )
         .shown_by("beams-alike"),
         Statement::new(
             "3.4.3",
             "the non-dimensional gap \"takes into consideration the hammer's first natural bending vibration frequency\"",
             "the captions' gap/A0 has no frequency in it; the frequency is in Ω/ω".into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
         Statement::new(
             "3.4.3, figure 3.51",
             "caption: \"couplings distance 150 mm\"",
             "by its place after 3.50 it is the 135 mm rig's; 3.49 has the same caption".into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
     ];
     for (map, section) in maps.iter().zip([

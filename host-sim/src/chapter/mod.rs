@@ -11,13 +11,13 @@ mod wires;
 use serde::{Deserialize, Serialize};
 
 use crate::figures::Effort;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 
 /// Whether what is computed is what the chapter says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum ChapterVerdict {
     /// It is.
     Same,
     /// It is not.
@@ -26,7 +26,7 @@ pub enum Verdict {
     CannotBeTold,
 }
 
-impl Verdict {
+impl ChapterVerdict {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
@@ -53,13 +53,13 @@ pub struct Statement {
     /// What is computed here.
     pub ours: String,
     /// Whether they are the same.
-    pub verdict: Verdict,
+    pub verdict: ChapterVerdict,
     /// The figures of `host-sim figures` that show it, with commas.
     pub figures: String,
 }
 
 impl Statement {
-    fn new(section: impl Into<String>, words: &str, ours: String, verdict: Verdict) -> Self {
+    fn new(section: impl Into<String>, words: &str, ours: String, verdict: ChapterVerdict) -> Self {
         let section = section.into();
         Self {
             number: 0,
@@ -73,7 +73,7 @@ impl Statement {
 
     /// One that needs the chapter's measurements.
     fn measured(section: &str, words: &str, ours: impl Into<String>) -> Self {
-        Self::new(section, words, ours.into(), Verdict::CannotBeTold)
+        Self::new(section, words, ours.into(), ChapterVerdict::CannotBeTold)
     }
 
     /// The same, shown by these figures.
@@ -110,7 +110,7 @@ fn figures_in(section: &str) -> Vec<String> {
 ///
 /// # Errors
 /// If a motion cannot be followed; with the presets none is.
-pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn statements(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let areas = [
         contact::statements,
         wires::statements,

@@ -1,20 +1,20 @@
 //! Sections 3.3.3 to 3.3.6 and 3.5: the hammer on wires, one motion at a time and over frequency.
 
-use super::{Statement, Verdict};
+use super::{ChapterVerdict, Statement};
 use crate::figures::force_curves::curves;
 use crate::figures::section::{SHOWN, rig};
 use crate::figures::{Effort, bifurcation};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
-use numerics::Limits;
-use numerics::branch::End;
+use numerics::PickLimits;
+use numerics::branch::BranchEnd;
 use numerics::engine::Start;
-use numerics::pick::{Answer, pick};
+use numerics::pick::{PickAnswer, pick};
 use numerics::poincare::{SectionRequest, portrait};
 use numerics::sweep::jumps;
 use shared::model::regime::Regime;
 
-pub fn statements(_: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn statements(_: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = modelling()?;
     all.extend(sections(progress)?);
     all.extend(bifurcations(progress)?);
@@ -29,19 +29,19 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
             "3.3.3, (3-15)",
             "\"no impact, i.e., l sin θ − gap > 0\"",
             "contact is where the penetration l sin θ − gap (3-17) is 0 or more; (3-21) and (3-22) say so, too: the sign is misprinted".into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
         Statement::new(
             "3.3.3, (3-16)",
             "torque of the contact: −F l",
             "it is −F l cos θ; used as printed, or corrected with --set torque=cosine".into(),
-            Verdict::Differs,
+            ChapterVerdict::Differs,
         ),
         Statement::new(
             "3.3.3, Table 3.2",
             "natural frequency 1.82 Hz, wire length 75 mm",
             format!("a pendulum of {:.0} mm: {hz:.4} Hz", 1e3 * length_m),
-            Verdict::of((hz - 1.82).abs() < 0.005),
+            ChapterVerdict::of((hz - 1.82).abs() < 0.005),
         ),
         Statement::measured(
             "3.3.4, figures 3.12 to 3.14",
@@ -51,7 +51,7 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
     ])
 }
 
-fn sections(progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn sections(progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = Vec::new();
     for (figure, gap_mm, ratio, words, named) in SHOWN {
         let rig = rig("wires", gap_mm)?;
@@ -67,9 +67,9 @@ fn sections(progress: &Progress) -> Result<Vec<Statement>, UserError> {
         // After a band's bifurcation neither band's motion is left.
         let after = words.contains("after the");
         let verdict = match named {
-            Some((p, n)) => Verdict::of(regime.is(p, n)),
-            None if after => Verdict::of(!regime.is(1, 1) && !regime.is(1, 2)),
-            None => Verdict::CannotBeTold,
+            Some((p, n)) => ChapterVerdict::of(regime.is(p, n)),
+            None if after => ChapterVerdict::of(!regime.is(1, 1) && !regime.is(1, 2)),
+            None => ChapterVerdict::CannotBeTold,
         };
         let ours = format!("from rest z = {regime}");
         let section = format!("3.3.5, figure {figure}");
@@ -84,15 +84,19 @@ fn sections(progress: &Progress) -> Result<Vec<Statement>, UserError> {
 }
 
 /// The strongest 1/1 with the cart as prescribed and the parameters as printed.
-pub(super) fn nominal(name: &str, gap_mm: f64, progress: &Progress) -> Result<Answer, UserError> {
+pub(super) fn nominal(
+    name: &str,
+    gap_mm: f64,
+    progress: &ProgressLine,
+) -> Result<PickAnswer, UserError> {
     let rig = rig(name, gap_mm)?;
-    Ok(pick(&rig, None, Limits::default(), progress)?.answer)
+    Ok(pick(&rig, None, PickLimits::default(), progress)?.answer)
 }
 
-fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn bifurcations(progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let zero = nominal("wires", 0.0, progress)?;
     let natural_hz = zero.operating_frequency_hz / zero.frequency_ratio;
-    let doubles = zero.stable_one_one_ends[1] == End::PeriodDoubling;
+    let doubles = zero.stable_one_one_ends[1] == BranchEnd::PeriodDoubling;
     let mut all = vec![Statement::new(
         "3.3.6, figure 3.27",
         "\"pitch-fork bifurcation (for gap 0.0 mm)\"",
@@ -105,7 +109,7 @@ fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
                 "change that is no period doubling"
             }
         ),
-        Verdict::Differs,
+        ChapterVerdict::Differs,
     )
     .shown_by("3.27, 3.28, 3.29, orbits at 0.0 mm")];
     for (gap_mm, section, words, shown_by) in [
@@ -128,11 +132,11 @@ fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
                 format!(
                     "from rest the 1/1 ends at Ω/ω = {end:.3}; at {ratio:.2} the largest Lyapunov exponent is {exponent:+.2} per drive period ({meaning})"
                 ),
-                Verdict::of(meaning == "chaotic"),
+                ChapterVerdict::of(meaning == "chaotic"),
             ),
             None => (
                 format!("the 1/1 ends at Ω/ω = {end:.3}; every motion repeats"),
-                Verdict::Differs,
+                ChapterVerdict::Differs,
             ),
         };
         all.push(Statement::new(section, words, ours, verdict).shown_by(shown_by));
@@ -141,7 +145,7 @@ fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
 }
 
 /// Section 3.5: what is recommended, and why.
-pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn conclusion(_: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let gaps = [0.0, 1.0, 2.4];
     let picks = gaps.map(|gap| nominal("wires", gap, progress));
     let [zero, one, two] = picks;
@@ -151,8 +155,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
         let c = &curves[k];
         jumps(&c.up, &c.down, c.params.weight_n(), 0.1).len()
     };
-    let width = |a: &Answer| 100.0 * (a.band_hz[1] - a.band_hz[0]) / a.operating_frequency_hz;
-    let less = |a: &Answer| a.force_ratio / a.force_ratio_at_natural_frequency;
+    let width = |a: &PickAnswer| 100.0 * (a.band_hz[1] - a.band_hz[0]) / a.operating_frequency_hz;
+    let less = |a: &PickAnswer| a.force_ratio / a.force_ratio_at_natural_frequency;
     let at_natural = [&zero, &one, &two].map(less);
     let (least, most) = (
         zero.force_ratio.min(one.force_ratio).min(two.force_ratio),
@@ -174,7 +178,7 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 at_natural[2],
                 at_natural.iter().filter(|x| x.round() == 3.0).count()
             ),
-            Verdict::of(at_natural.iter().all(|x| x.round() == 3.0)),
+            ChapterVerdict::of(at_natural.iter().all(|x| x.round() == 3.0)),
         ),
         Statement::new(
             "3.3.6 and 3.5",
@@ -183,7 +187,7 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 "largest 1/1 force at 0.0, 1.0, 2.4 mm: {:.1}, {:.1}, {:.1} m g",
                 zero.force_ratio, one.force_ratio, two.force_ratio
             ),
-            Verdict::of(force_same),
+            ChapterVerdict::of(force_same),
         )
         .shown_by("conclusion"),
         Statement::new(
@@ -195,7 +199,7 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 curves[1].up.len(),
                 apart(2)
             ),
-            Verdict::of(apart(1) > 0 && apart(2) > 0),
+            ChapterVerdict::of(apart(1) > 0 && apart(2) > 0),
         )
         .shown_by("conclusion, 3.13, 3.14"),
         Statement::new(
@@ -206,7 +210,7 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 apart(0),
                 curves[0].up.len()
             ),
-            Verdict::of(still),
+            ChapterVerdict::of(still),
         )
         .shown_by("conclusion, 3.12"),
         Statement::new(
@@ -218,14 +222,14 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 width(&one),
                 width(&two)
             ),
-            Verdict::of(wider),
+            ChapterVerdict::of(wider),
         )
         .shown_by("conclusion"),
         Statement::new(
             "3.3.6 and 3.5",
             "\"recommended to operate with 0.0 mm gap\"",
             "as the four lines above".into(),
-            Verdict::of(
+            ChapterVerdict::of(
                 force_same
                     && still
                     && wider

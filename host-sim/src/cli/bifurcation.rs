@@ -11,12 +11,12 @@ use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use crate::pictures::bifurcation::{Abscissa, figure};
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv_or_header;
 use files::words::count;
-use numerics::bifurcation::answer::{Answer, DiagramAnswer};
-use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
+use numerics::bifurcation::answer::{BifurcationAnswer, DiagramAnswer};
+use numerics::bifurcation::{BifurcationDiagram, DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
 use numerics::row::regime_as_text;
@@ -118,11 +118,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .as_deref()
         .map(|file| crate::measured::diagram(file, |line| output.note(line)))
         .transpose()?;
-    let progress = Progress::new("simulations", request.simulations(), output.quiet);
+    let progress = ProgressLine::new("simulations", request.simulations(), output.quiet);
     let diagrams = diagrams(&request, &progress)?;
     progress.finish();
     let points = rows(&diagrams);
-    let answer = Answer::new(&request, &diagrams, measured.as_ref());
+    let answer = BifurcationAnswer::new(&request, &diagrams, measured.as_ref());
     let failed: usize = answer.diagrams.iter().map(|d| d.failed).sum();
     if failed > 0 {
         output.note(&format!(
@@ -209,7 +209,7 @@ fn change_rows(found: &DiagramAnswer) -> impl Iterator<Item = ChangeRow> {
     })
 }
 
-fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
+fn text(answer: &BifurcationAnswer, diagrams: &[BifurcationDiagram]) -> String {
     let mut text = String::new();
     for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(

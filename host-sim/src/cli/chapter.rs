@@ -1,9 +1,9 @@
 //! `host-sim chapter`.
 
 use super::arguments::output::OutputArgs;
-use crate::chapter::{AREAS, Statement, Verdict, statements};
+use crate::chapter::{AREAS, ChapterVerdict, Statement, statements};
 use crate::figures::Effort;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
 use shared::model::params::PRESETS;
@@ -36,8 +36,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         true => Effort::Coarse,
         false => Effort::Full,
     };
-    let progress = Progress::new("areas", AREAS, output.quiet);
-    let hidden = Progress::new("areas", AREAS, true);
+    let progress = ProgressLine::new("areas", AREAS, output.quiet);
+    let hidden = ProgressLine::new("areas", AREAS, true);
     let all = statements(effort, &hidden)?;
     progress.inc(AREAS);
     progress.finish();
@@ -66,9 +66,9 @@ told\" means: it needs the chapter's measurements, which are not public, or the 
 |---|---|---|---|---|
 ",
         all.len(),
-        of(Verdict::Same),
-        of(Verdict::Differs),
-        of(Verdict::CannotBeTold)
+        of(ChapterVerdict::Same),
+        of(ChapterVerdict::Differs),
+        of(ChapterVerdict::CannotBeTold)
     );
     for s in all {
         text += &format!(

@@ -4,18 +4,18 @@ use std::path::PathBuf;
 
 use super::arguments::choice::choice;
 use super::arguments::cycles::{CycleArgs, parse_start};
-use super::arguments::drive::Drive;
+use super::arguments::drive::OneFrequency;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures;
 use crate::pictures::drawn;
-use crate::progress::Progress;
-use crate::words::compare::Worded;
+use crate::progress::ProgressLine;
+use crate::words::compare::WordedComparison;
 use files::UserError;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::compare::{Comparison, ComparisonRequest, Errors, Frame, compare};
+use numerics::compare::{Comparison, ComparisonErrors, ComparisonRequest, MeasuredFrame, compare};
 use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -31,11 +31,11 @@ pub struct Args {
     file: PathBuf,
 
     #[command(flatten)]
-    drive: Drive,
+    drive: OneFrequency,
 
     /// The frame of the measured displacement
-    #[arg(long, value_parser = choice::<Frame>(), default_value = "fixed")]
-    frame: Frame,
+    #[arg(long, value_parser = choice::<MeasuredFrame>(), default_value = "fixed")]
+    frame: MeasuredFrame,
 
     /// Compare from this time of the record, s
     #[arg(long, alias = "from", value_name = "S")]
@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
     }
     let all = READING + COMPARING + output.out.as_ref().map_or(0.0, |_| WRITING);
-    let progress = Progress::in_parts("record", all, output.quiet);
+    let progress = ProgressLine::in_parts("record", all, output.quiet);
     let note = |line: &str| progress.aside(|| output.note(line));
     let advance = |share: f64| progress.part_done(READING * share);
     let whole = crate::record::read(&args.file, note, advance)?;
@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     )?;
     let comparison = compare(&signal, &question)?;
     progress.part_done(COMPARING);
-    let answer = Worded::from(&comparison.errors);
+    let answer = WordedComparison::from(&comparison.errors);
     if let Some(dir) = &output.out {
         let title = format!(
             "{} against {}, gap {:?} mm, {}",
@@ -171,7 +171,7 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
     text
 }
 
-fn table(e: &Errors) -> String {
+fn table(e: &ComparisonErrors) -> String {
     let mut text = String::from("                               measured    simulated\n");
     let mut line = |what: &str, measured: Option<f64>, simulated: Option<f64>, digits: usize| {
         let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));

@@ -6,7 +6,7 @@ use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use files::UserError;
 use numerics::NamedRig;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, all_laws, rows};
+use numerics::contact_law::{ContactFigures, FIGURE_3_3, FIGURE_3_3_MASS_KG, all_laws, rows};
 use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -124,7 +124,7 @@ fn some(speeds: &[f64]) -> Vec<f64> {
     kept
 }
 
-fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
+fn figure(case: &Case, all: &[ContactFigures]) -> Result<plot::Figure, UserError> {
     let mut at = String::new();
     let drawn: Vec<_> = match case.laws.as_slice() {
         [(_, law)] => some(&case.speeds)
@@ -154,7 +154,7 @@ fn middle(speeds: &[f64]) -> f64 {
     speeds[speeds.len() / 2]
 }
 
-fn text(case: &Case, all: &[Row]) -> String {
+fn text(case: &Case, all: &[ContactFigures]) -> String {
     let mut text = format!(
         "{}\n\n  law                  speed, m/s  time, ms  restitution    peak, N  lost, mJ  imbalance  would pull\n",
         case.title

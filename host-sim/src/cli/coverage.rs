@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::arguments::output::OutputArgs;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::identify::Misfit;
-use numerics::identify::coverage::{Case, Row, cases, table};
+use numerics::identify::coverage::{CoverageCase, CoverageRow, cases, table};
 
 /// Most drop tests of a case.
 const MOST: usize = 10_000;
@@ -38,7 +38,7 @@ pub struct CoverageArgs {
 struct Answer<'a> {
     tests: usize,
     seed: u64,
-    rows: &'a [Row],
+    rows: &'a [CoverageRow],
 }
 
 impl CoverageArgs {
@@ -48,7 +48,7 @@ impl CoverageArgs {
     }
 
     /// The cases asked for.
-    fn cases(&self) -> Result<Vec<Case>, UserError> {
+    fn cases(&self) -> Result<Vec<CoverageCase>, UserError> {
         let all = cases();
         let known = |name: &&String| all.iter().any(|case| case.name == **name);
         if let Some(unknown) = self.case.iter().find(|name| !known(name)) {
@@ -58,7 +58,8 @@ impl CoverageArgs {
                 names.join(", ")
             )));
         }
-        let chosen = |case: &Case| self.case.is_empty() || self.case.iter().any(|n| n == case.name);
+        let chosen =
+            |case: &CoverageCase| self.case.is_empty() || self.case.iter().any(|n| n == case.name);
         Ok(all.into_iter().filter(chosen).collect())
     }
 
@@ -74,7 +75,7 @@ impl CoverageArgs {
         let cases = self.cases()?;
         let misfits = misfit.map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
         let work = cases.len() * misfits.len() * self.tests;
-        let progress = Progress::new("drop tests", work as u64, output.quiet);
+        let progress = ProgressLine::new("drop tests", work as u64, output.quiet);
         let rows = table(&cases, &misfits, self.tests, self.seed, &progress)?;
         progress.finish();
         let answer = Answer {
@@ -85,7 +86,7 @@ impl CoverageArgs {
         output.answer(&answer, &rows, || Ok(Vec::new()), || self.text(&rows))
     }
 
-    fn text(&self, rows: &[Row]) -> String {
+    fn text(&self, rows: &[CoverageRow]) -> String {
         let mut text = format!(
             "{} drop tests of each case, seed {}: how often the answer is right (the 95 % interval holds the truth, or a law\n\
              that is not the record's is refused)\n\n{:<24} {:<6} {:<30} {:>5} {:>7} {:>9} {:>6} {:>9} {:>11}\n",

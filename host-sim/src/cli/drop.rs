@@ -4,7 +4,7 @@ use super::arguments::choice::{Choice, choice};
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
 use files::UserError;
-use numerics::drop_test::{Converter, DropTest, Row, record};
+use numerics::drop_test::{Converter, DropSample, DropTest, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -156,7 +156,7 @@ fn test(args: &Args) -> Result<DropTest, UserError> {
 const AROUND_S: f64 = 5e-3;
 
 /// The samples about the first impact: its largest force and what is within [`AROUND_S`] of it.
-fn first_impact(rows: &[Row]) -> impl Iterator<Item = &Row> {
+fn first_impact(rows: &[DropSample]) -> impl Iterator<Item = &DropSample> {
     let hardest = rows.iter().max_by(|a, b| a.force_n.total_cmp(&b.force_n));
     let middle = hardest.map_or(0.0, |r| r.time_s);
     rows.iter()
@@ -185,17 +185,17 @@ fn faults(test: &DropTest) -> String {
         .collect()
 }
 
-fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
+fn figure(rig: &str, test: &DropTest, rows: &[DropSample]) -> Figure {
     let force = || Axis::new("force, N").with_zero();
     let first: Vec<_> = first_impact(rows).collect();
     let began = first.first().map_or(0.0, |r| r.time_s);
-    let near = |f: fn(&Row) -> f64| {
+    let near = |f: fn(&DropSample) -> f64| {
         first
             .iter()
             .map(|r| ((r.time_s - began) * 1e3, f(r)))
             .collect::<Vec<_>>()
     };
-    let all = |f: fn(&Row) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
+    let all = |f: fn(&DropSample) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
     let release = format!("{:.2}", test.release_m * 1e3).replace('-', "−");
     Figure::new(format!("Synthetic drop test: {rig}, let go at {release} mm"))
         .subtitle(format!(
@@ -230,7 +230,7 @@ fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
         )
 }
 
-fn text(rig: &str, test: &DropTest, rows: &[Row]) -> String {
+fn text(rig: &str, test: &DropTest, rows: &[DropSample]) -> String {
     let peak = rows.iter().fold(0.0_f64, |m, r| m.max(r.force_n));
     let mut text = format!(
         "{rig}, released at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",

@@ -12,10 +12,10 @@ use super::terminal::{print, say};
 use crate::link::live::Live;
 use crate::pictures::drawn;
 use crate::pictures::emulate::{About, Trace, figure};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use emulator::local::Local;
 use emulator::log::{Header, Logs};
-use emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunObserver, TickRow, TrueContact};
 use emulator::run::run as emulate;
 use emulator::scenario::{self, BUILTIN, Scenario};
 use emulator::timeline::Timeline;
@@ -110,7 +110,7 @@ struct Watch {
     timeline: Timeline,
     trace: Trace,
     logs: Option<Logs>,
-    progress: Progress,
+    progress: ProgressLine,
     ticks: u64,
 }
 
@@ -139,13 +139,13 @@ impl Watch {
             timeline: Timeline::default(),
             trace: Trace::default(),
             logs,
-            progress: Progress::new("s of rig time", scenario.duration_s as u64, output.quiet),
+            progress: ProgressLine::new("s of rig time", scenario.duration_s as u64, output.quiet),
             ticks: 0,
         })
     }
 }
 
-impl Observer for Watch {
+impl RunObserver for Watch {
     fn tick(&mut self, row: &TickRow) {
         self.trace.tick(row);
         if let Some(logs) = &mut self.logs {
@@ -164,14 +164,14 @@ impl Observer for Watch {
         }
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         self.trace.contact(contact);
         if let Some(logs) = &mut self.logs {
             logs.contact(contact);
         }
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         self.timeline.event(event);
         self.trace.event(event);
         if let Some(logs) = &mut self.logs {

@@ -11,14 +11,15 @@ use super::arguments::rig::RigArgs;
 use super::coverage::CoverageArgs;
 use super::drop::within;
 use crate::pictures;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
-use files::words::identify::Worded;
+use files::words::identify::WordedFit;
 use numerics::NamedRig;
 use numerics::identify::ring::Ring;
 use numerics::identify::{
-    Estimate, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, free_cart_percent, measure,
+    FilterKind, IdentifiedFit, ImpactRow, MeasuredImpacts, Misfit, ProfileEstimate, SearchSettings,
+    fit, free_cart_percent, measure,
 };
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -61,15 +62,15 @@ pub struct Args {
     impacts: usize,
 
     /// How uncertain the force sensor's gain is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.gain_percent)]
+    #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.gain_percent)]
     gain_percent: f64,
 
     /// How uncertain the distance of the release from rest is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.release_height_percent)]
+    #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.release_height_percent)]
     release_height_percent: f64,
 
     /// How uncertain the clock of the samples is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.clock_percent)]
+    #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.clock_percent)]
     clock_percent: f64,
 
     #[command(flatten)]
@@ -100,7 +101,7 @@ struct Answer<'a> {
     clock_percent: f64,
     /// How much less stiffness and damping are if the cart was free to move: m over m + M, %.
     free_cart_percent: f64,
-    fits: Vec<Worded<'a>>,
+    fits: Vec<WordedFit<'a>>,
 }
 
 /// A line of the table.
@@ -137,7 +138,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .misfit
         .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
     let work = (families.len() * misfits.len()) as u64;
-    let progress = Progress::new("searches", work, output.quiet);
+    let progress = ProgressLine::new("searches", work, output.quiet);
     let mut fits = Vec::new();
     for family in families {
         for misfit in &misfits {
@@ -162,13 +163,13 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         release_height_percent: settings.release_height_percent,
         clock_percent: settings.clock_percent,
         free_cart_percent: free_cart_percent(&rig.params),
-        fits: fits.iter().map(Worded::from).collect(),
+        fits: fits.iter().map(WordedFit::from).collect(),
     };
     refuse(&answer, args.all_laws)?;
     let rows = rows(&fits);
     let files = || {
         let mut files = output.picture(&figure(&rig, &measured, &fits, &settings))?;
-        let impacts = |fit: &Fit| (output.name("-impacts.csv"), to_csv(&fit.impacts));
+        let impacts = |fit: &IdentifiedFit| (output.name("-impacts.csv"), to_csv(&fit.impacts));
         files.extend(fits.first().map(impacts));
         Ok(files)
     };
@@ -214,7 +215,7 @@ fn families(args: &Args) -> Result<Vec<LawKind>, UserError> {
 }
 
 /// The fit whose shape is closest to the record's.
-fn best(fits: &[Fit]) -> Option<&Fit> {
+fn best(fits: &[IdentifiedFit]) -> Option<&IdentifiedFit> {
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let least = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     least.or(fits.first())
@@ -241,7 +242,7 @@ pub fn release_mm(given: Option<f64>, signal: &Signal) -> Result<f64, UserError>
     Ok(release_mm)
 }
 
-fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
+fn settings(args: &Args, signal: &Signal) -> Result<SearchSettings, UserError> {
     if !(1..=50).contains(&args.impacts) {
         return Err(UserError::new(format!(
             "--impacts is {}, must be from 1 to 50",
@@ -249,7 +250,7 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
         )));
     }
     let release_mm = release_mm(args.release_mm, signal)?;
-    Ok(Settings {
+    Ok(SearchSettings {
         release_m: release_mm * 1e-3,
         seek_release: args.seek_release,
         seek_exponent: args.seek_exponent,
@@ -265,9 +266,9 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
     })
 }
 
-fn rows(fits: &[Fit]) -> Vec<Row> {
-    let of = |fit: &'_ Fit| -> Vec<Row> {
-        let row = |p: &Estimate| Row {
+fn rows(fits: &[IdentifiedFit]) -> Vec<Row> {
+    let of = |fit: &'_ IdentifiedFit| -> Vec<Row> {
+        let row = |p: &ProfileEstimate| Row {
             law: fit.law,
             misfit: fit.misfit,
             parameter: p.key,
@@ -304,7 +305,7 @@ fn scientific(x: f64, digits: usize) -> String {
 }
 
 /// How many digits show the width of the interval: four, or more for a narrow one.
-fn digits(estimate: &Estimate) -> usize {
+fn digits(estimate: &ProfileEstimate) -> usize {
     let width = estimate
         .low
         .zip(estimate.high)
@@ -328,7 +329,7 @@ fn text(answer: &Answer) -> String {
         answer.clock_percent,
         scientific(answer.free_cart_percent, 2)
     );
-    for Worded { fit, warnings } in &answer.fits {
+    for WordedFit { fit, warnings } in &answer.fits {
         text += &fit_text(fit, warnings);
     }
     text += &match &answer.ring {
@@ -341,14 +342,14 @@ fn text(answer: &Answer) -> String {
         ),
         None => "\nNo ringing is seen after release.\n".to_owned(),
     };
-    if let Some(Worded { fit, .. }) = answer.fits.first() {
+    if let Some(WordedFit { fit, .. }) = answer.fits.first() {
         text.push('\n');
         text += &peaks_chart(fit);
     }
     text
 }
 
-fn fit_text(fit: &Fit, warnings: &[String]) -> String {
+fn fit_text(fit: &IdentifiedFit, warnings: &[String]) -> String {
     let mut text = format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
     for p in &fit.parameters {
         let digits = digits(p);
@@ -363,10 +364,10 @@ fn fit_text(fit: &Fit, warnings: &[String]) -> String {
     }
     if let Some(hz) = fit.sensor.filter_hz {
         let kind = match fit.sensor.filter {
-            Model::Analog => "an analog low-pass",
-            Model::Digital => "a digital low-pass of second order",
-            Model::LinearPhase => "a linear-phase low-pass before the samples (delta-sigma)",
-            Model::OddSamples | Model::EvenSamples => {
+            FilterKind::Analog => "an analog low-pass",
+            FilterKind::Digital => "a digital low-pass of second order",
+            FilterKind::LinearPhase => "a linear-phase low-pass before the samples (delta-sigma)",
+            FilterKind::OddSamples | FilterKind::EvenSamples => {
                 "weighted sums of neighbouring samples (a linear-phase filter)"
             }
         };
@@ -402,7 +403,7 @@ fn fit_text(fit: &Fit, warnings: &[String]) -> String {
     text
 }
 
-fn peaks_chart(fit: &Fit) -> String {
+fn peaks_chart(fit: &IdentifiedFit) -> String {
     let of = |peak: fn(&ImpactRow) -> f64| {
         let peaks = fit.impacts.iter().map(|i| (i.impact as f64, peak(i)));
         peaks.collect()
@@ -414,7 +415,12 @@ fn peaks_chart(fit: &Fit) -> String {
         .render()
 }
 
-fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings) -> plot::Figure {
+fn figure(
+    rig: &NamedRig,
+    measured: &MeasuredImpacts,
+    fits: &[IdentifiedFit],
+    settings: &SearchSettings,
+) -> plot::Figure {
     let title = format!("Drop test {}: contact parameters", measured.name);
     let found = fits.first().map_or(String::new(), |fit| {
         let each = fit.parameters.iter().map(|p| {

@@ -40,7 +40,7 @@ use std::ffi::OsString;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use arguments::request::Request;
+use arguments::request::CommandRequest;
 use files::{UserError, rigfile};
 use shared::model::params::preset;
 
@@ -70,7 +70,7 @@ macro_rules! commands {
 
         impl Command {
             /// Gives the request to whatever writes the answer.
-            fn asked(&mut self, request: Request) {
+            fn asked(&mut self, request: CommandRequest) {
                 match self {
                     $(Self::$name(_args) => { $(commands!(@$request _args, request);)? })+
                 }
@@ -169,7 +169,7 @@ fn parsed(arguments: &[OsString]) -> Result<Cli, clap::Error> {
     if let Some((name, given)) = matches.subcommand()
         && let Some(command) = parser.find_subcommand(name)
     {
-        cli.command.asked(Request::new(command, given));
+        cli.command.asked(CommandRequest::new(command, given));
     }
     Ok(cli)
 }

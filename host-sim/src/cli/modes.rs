@@ -7,9 +7,9 @@ use super::arguments::cycles::CycleArgs;
 use super::arguments::drive::Drives;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
-use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, Row, Tip};
+use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, ModesRow, TipJoint};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -32,8 +32,8 @@ pub struct Args {
     springs_mass: f64,
 
     /// How the hammer holds the springs' end
-    #[arg(long, value_parser = choice::<Tip>(), default_value = "guided")]
-    tip: Tip,
+    #[arg(long, value_parser = choice::<TipJoint>(), default_value = "guided")]
+    tip: TipJoint,
 
     #[command(flatten)]
     cycles: CycleArgs,
@@ -52,7 +52,7 @@ pub struct Args {
 #[derive(Serialize)]
 struct Answer<'a> {
     modes: &'a [ModeAnswer],
-    rows: &'a [Row],
+    rows: &'a [ModesRow],
 }
 
 /// A mode of the rig.
@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         cycles: args.cycles.plan()?,
     };
     let runs = (args.modes.len() * frequencies_hz.len()) as u64;
-    let progress = Progress::new("runs", runs, output.quiet);
+    let progress = ProgressLine::new("runs", runs, output.quiet);
     let rows = plan.run(&progress)?;
     progress.finish();
     let answer = Answer {
@@ -118,12 +118,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// What is computed, for text and picture.
-fn one_frequency(rows: &[Row]) -> bool {
+fn one_frequency(rows: &[ModesRow]) -> bool {
     rows.iter()
         .all(|row| row.frequency_hz == rows[0].frequency_hz)
 }
 
-fn heading(rows: &[Row]) -> String {
+fn heading(rows: &[ModesRow]) -> String {
     rows.first().map_or(String::new(), |row| {
         let cart = row.cart.words();
         let hz = match one_frequency(rows) {
@@ -137,7 +137,7 @@ fn heading(rows: &[Row]) -> String {
     })
 }
 
-fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
+fn text(modes: &[ModeAnswer], rows: &[ModesRow], counts: &[usize]) -> String {
     let mut text = heading(rows);
     text += "\n\nmode   frequency, Hz   modal mass, kg   participation, kg\n";
     for (i, mode) in modes.iter().enumerate() {
@@ -185,22 +185,22 @@ fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
 }
 
 /// A column over frequency, for one number of modes.
-fn of(rows: &[Row], count: usize, column: impl Fn(&Row) -> f64) -> Vec<(f64, f64)> {
+fn of(rows: &[ModesRow], count: usize, column: impl Fn(&ModesRow) -> f64) -> Vec<(f64, f64)> {
     let rows = rows.iter().filter(|row| row.modes == count);
     rows.map(|row| (row.frequency_hz, column(row))).collect()
 }
 
 /// Force, swing and energy in the higher modes over frequency; over the number of modes where there is one frequency.
-fn figure(rows: &[Row], counts: &[usize]) -> Figure {
+fn figure(rows: &[ModesRow], counts: &[usize]) -> Figure {
     let one = one_frequency(rows);
     let subtitle = rows.first().map_or(String::new(), |row| {
         format!(
             "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
             row.springs_mass_ratio,
-            if row.tip == Tip::Guided { "guided" } else { "free to turn" }
+            if row.tip == TipJoint::Guided { "guided" } else { "free to turn" }
         )
     });
-    let panel = |label: &str, column: fn(&Row) -> f64| {
+    let panel = |label: &str, column: fn(&ModesRow) -> f64| {
         if one {
             let points = rows.iter().map(|row| (row.modes as f64, column(row)));
             return Panel::new(

@@ -1,18 +1,18 @@
 //! `host-sim poincare`.
 
 use super::arguments::cycles::parse_start;
-use super::arguments::drive::Drive;
+use super::arguments::drive::OneFrequency;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::poincare::{against_figure, figure};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::words::count;
 use numerics::CartModel;
 use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
-use numerics::poincare::against::{self, Against, SectionSummary};
-use numerics::poincare::answer::Answer;
+use numerics::poincare::against::{self, SectionComparison, SectionSummary};
+use numerics::poincare::answer::SectionAnswer;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
 use numerics::row::{Outcome, tidy};
 use numerics::{Error, NamedRig};
@@ -33,7 +33,7 @@ enum Other {
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    drive: Drive,
+    drive: OneFrequency,
 
     /// Points of each section, one per drive period
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -133,7 +133,7 @@ fn run_section(
     rig: &NamedRig,
     request: &SectionRequest,
 ) -> Result<(), UserError> {
-    let progress = Progress::new("drive periods", u64::from(request.points), output.quiet);
+    let progress = ProgressLine::new("drive periods", u64::from(request.points), output.quiet);
     let (portrait, exponents) = rayon::join(
         || portrait(request, &progress),
         || args.lyapunov.then(|| exponents(request)).transpose(),
@@ -141,7 +141,7 @@ fn run_section(
     let (portrait, exponents) = (portrait?, exponents?);
     progress.finish();
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
-    let answer = Answer::new(&rig.name, request, &portrait, exponents);
+    let answer = SectionAnswer::new(&rig.name, request, &portrait, exponents);
     let picture = || output.picture(&figure(rig, request, &portrait));
     output.answer(&answer, &rows, picture, || text(&answer, &portrait))
 }
@@ -151,7 +151,7 @@ fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
     let section = request
         .start
         .section(&rig, std::f64::consts::TAU * request.frequency_hz)?;
-    let plan = lyapunov::Span {
+    let plan = lyapunov::LyapunovSpan {
         transient: request.transient,
         periods: request.points,
     };
@@ -173,7 +173,7 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
     )
 }
 
-fn text(answer: &Answer, portrait: &Portrait) -> String {
+fn text(answer: &SectionAnswer, portrait: &Portrait) -> String {
     let regime = match answer.regime {
         Outcome::Unsettled => format!(
             "{}: it has not come to repeat in the {} recorded, and still changes; give a longer --transient or more --points",
@@ -231,7 +231,7 @@ fn run_against(
         widths => widths,
     };
     let runs = (widths.len() as u64 + 2) * u64::from(request.points);
-    let progress = Progress::new("drive periods", runs, output.quiet);
+    let progress = ProgressLine::new("drive periods", runs, output.quiet);
     let found = against::against(request, widths, &progress)?;
     progress.finish();
     let rows = found.rows();
@@ -241,7 +241,7 @@ fn run_against(
     })
 }
 
-fn against_text(found: &Against, rows: &[SectionSummary]) -> String {
+fn against_text(found: &SectionComparison, rows: &[SectionSummary]) -> String {
     let mut text = format!(
         "  the switch: regime {} over {} points\n\n  model                  width, m  repeats  steps/period  away, A0  boxes not shared  exponent/period\n",
         found.exact.outcome(),

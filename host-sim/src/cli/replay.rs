@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::arguments::output::{Format, emit};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::replay::{Replayed, replay};
-use emulator::log::{Reader, TICK_US};
+use emulator::log::{LogReader, TICK_US};
 use files::UserError;
 use files::made_from::MadeFrom;
 
@@ -48,8 +48,8 @@ struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
-    let mut log = Reader::open(&args.log)?;
-    let progress = Progress::new("ticks", log.ticks(), args.quiet);
+    let mut log = LogReader::open(&args.log)?;
+    let progress = ProgressLine::new("ticks", log.ticks(), args.quiet);
     let done = replay(&mut log, &progress);
     progress.finish();
     let Replayed { ticks, difference } = done?;

@@ -1,7 +1,7 @@
 //! `host-sim simulate`.
 
 use super::arguments::cycles::{CycleArgs, parse_start};
-use super::arguments::drive::Drive;
+use super::arguments::drive::OneFrequency;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Contents, Format, OutputArgs, to_json};
 use super::arguments::rig::{CartArg, RigArgs};
@@ -11,9 +11,9 @@ use files::UserError;
 use files::table::{to_csv, to_csv_or_header};
 use files::words::count;
 use numerics::NamedRig;
-use numerics::engine::answer::{Answer, ContactRow, SectionRow, contact_rows, section_rows};
-use numerics::engine::{Recorder, Sample, Start, machine, observe};
-use numerics::row::Row;
+use numerics::engine::answer::{ContactRow, RunAnswer, SectionRow, contact_rows, section_rows};
+use numerics::engine::{CycleRecorder, RecordedSample, Start, machine, observe};
+use numerics::row::RunRow;
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
@@ -26,7 +26,7 @@ use shared::model::regime::Regime;
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    drive: Drive,
+    drive: OneFrequency,
 
     #[command(flatten)]
     cycles: CycleArgs,
@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequency_hz = args.drive.needed_hz(natural)?;
     let mut hammer = machine(engine, &rig.params, frequency_hz, args.initial)?;
-    let mut recorder = Recorder::default();
+    let mut recorder = CycleRecorder::default();
     // Only the last recorded periods are drawn, but a table that is asked for has them all.
     if output.out.is_some() || output.format == Format::Text {
         recorder.samples_per_period = SAMPLES_PER_PERIOD;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         ));
     }
     let section = section_rows(&seen, hammer.rig());
-    let answer = Answer::new(&rig, engine, plan, &seen, &recorder);
+    let answer = RunAnswer::new(&rig, engine, plan, &seen, &recorder);
     if let Some(dir) = &output.out {
         let figure = figure(&rig, &answer.row, &recorder, &section);
         let mut contents = drawn(&output.name(""), &figure)?;
@@ -90,8 +90,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 /// JSON, and tables of the history, the section and the contacts.
 fn tables(
     output: &OutputArgs,
-    answer: &Answer,
-    recorder: &Recorder,
+    answer: &RunAnswer,
+    recorder: &CycleRecorder,
     section: &[SectionRow],
 ) -> Result<Contents, UserError> {
     Ok(vec![
@@ -106,7 +106,10 @@ fn tables(
 }
 
 /// The samples of the last few periods, with time from their start.
-fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &Sample)> {
+fn tail(
+    recorder: &CycleRecorder,
+    frequency_hz: f64,
+) -> impl Iterator<Item = (f64, &RecordedSample)> {
     let end = recorder.samples.last().map_or(0.0, |s| s.time_s);
     let from = end - SHOWN_PERIODS / frequency_hz;
     recorder
@@ -117,9 +120,9 @@ fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &S
 }
 
 /// Force over time of the last contact, from its onset; nothing if there was none.
-fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
+fn last_contact(recorder: &CycleRecorder) -> Option<Vec<(f64, f64)>> {
     let contact = contact_rows(recorder).pop()?;
-    let since_ms = |s: &Sample| 1e3 * (s.time_s - contact.onset_s);
+    let since_ms = |s: &RecordedSample| 1e3 * (s.time_s - contact.onset_s);
     let inside = recorder.samples.iter().map(|s| (since_ms(s), s.force_n));
     let inside = inside.filter(|(ms, _)| (0.0..=contact.duration_ms).contains(ms));
     // A little before and after, so that onset and release can be seen. The force may jump at the onset.
@@ -132,7 +135,7 @@ fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
 }
 
 /// Why nothing is known of a motion that does not repeat.
-fn unsettled(answer: &Answer) -> String {
+fn unsettled(answer: &RunAnswer) -> String {
     let recorded = answer.cycles - answer.transient;
     match answer.settling_cycles {
         Some(cycles) => format!(
@@ -149,7 +152,7 @@ fn unsettled(answer: &Answer) -> String {
     }
 }
 
-fn text(answer: &Answer, recorder: &Recorder) -> String {
+fn text(answer: &RunAnswer, recorder: &CycleRecorder) -> String {
     let row = &answer.row;
     let mut text = format!(
         "{}, gap {:?} mm, {}, {:.4} Hz ({:.4} times the natural frequency), {} engine\n",
@@ -200,9 +203,14 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
 const BLUE: Color = Color(0x1f, 0x4e, 0x79);
 const RED: Color = Color(0xb0, 0x3a, 0x2e);
 
-fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]) -> Figure {
+fn figure(
+    rig: &NamedRig,
+    row: &RunRow,
+    recorder: &CycleRecorder,
+    section: &[SectionRow],
+) -> Figure {
     let shown: Vec<_> = tail(recorder, row.frequency_hz).collect();
-    let over_time = |f: fn(&Sample) -> f64| shown.iter().map(|(t, s)| (*t, f(s))).collect();
+    let over_time = |f: fn(&RecordedSample) -> f64| shown.iter().map(|(t, s)| (*t, f(s))).collect();
     let plane = shown
         .iter()
         .map(|(_, s)| (s.relative_displacement_mm, s.relative_velocity_m_per_s));

@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::arguments::output::OutputArgs;
 use crate::pictures::trials::figure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use emulator::trials::long::LongTrial;
-use emulator::trials::{Believed, Distribution, Outcome, RIGS, Row, Trial, run_all};
+use emulator::trials::{Believed, Distribution, RIGS, Trial, TrialOutcome, TrialRow, run_all};
 use files::words::count;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -65,7 +65,7 @@ struct Answer<'a> {
     seed: u64,
     seconds_s: f64,
     distributions: &'a [Line],
-    trials: &'a [Row],
+    trials: &'a [TrialRow],
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let output = &output.about(&rigs)?;
     let what = format!("trials of {seconds} s");
-    let progress = Progress::new(what, u64::from(trials), output.quiet);
+    let progress = ProgressLine::new(what, u64::from(trials), output.quiet);
     if args.long {
         return long::run(args.seed, trials, seconds, &believed, output, &progress);
     }
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     progress.finish();
     let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
     let lines = lines(&names, &outcomes);
-    let rows: Vec<Row> = outcomes.iter().map(Row::from).collect();
+    let rows: Vec<TrialRow> = outcomes.iter().map(TrialRow::from).collect();
     let answer = Answer {
         seed: args.seed,
         seconds_s: seconds,
@@ -127,7 +127,7 @@ fn named() -> Result<Vec<NamedRig>, UserError> {
 }
 
 /// Each rig that was tried, then all of them.
-fn lines(rigs: &[&str], outcomes: &[Outcome]) -> Vec<Line> {
+fn lines(rigs: &[&str], outcomes: &[TrialOutcome]) -> Vec<Line> {
     let of = |rig: &str| {
         let these = outcomes.iter().filter(|o| o.trial.rig.name == rig);
         Line {

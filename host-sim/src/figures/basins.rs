@@ -1,38 +1,38 @@
 //! Figures 3.36–3.38 and 3.52–3.54: basins of attraction.
 
-use super::{Effort, Page, Part};
+use super::{Effort, FiguresPart, Page};
 use crate::pictures::basins::parts;
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
-use numerics::basins::chapter::{POINTS, Point};
+use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, cells, explore};
 use numerics::engine::Engine;
 
 /// A part for each figure, which shares no runs with the others.
-pub const PARTS: [Part; 6] = [
-    Part::new("basins 3.36", &["3.36"], 21.0, |effort, progress| {
+pub const PARTS: [FiguresPart; 6] = [
+    FiguresPart::new("basins 3.36", &["3.36"], 21.0, |effort, progress| {
         page("3.36", effort, progress)
     }),
-    Part::new("basins 3.37", &["3.37"], 21.0, |effort, progress| {
+    FiguresPart::new("basins 3.37", &["3.37"], 21.0, |effort, progress| {
         page("3.37", effort, progress)
     }),
-    Part::new("basins 3.38", &["3.38"], 31.0, |effort, progress| {
+    FiguresPart::new("basins 3.38", &["3.38"], 31.0, |effort, progress| {
         page("3.38", effort, progress)
     }),
-    Part::new("basins 3.52", &["3.52"], 25.0, |effort, progress| {
+    FiguresPart::new("basins 3.52", &["3.52"], 25.0, |effort, progress| {
         page("3.52", effort, progress)
     }),
-    Part::new("basins 3.53", &["3.53"], 30.0, |effort, progress| {
+    FiguresPart::new("basins 3.53", &["3.53"], 30.0, |effort, progress| {
         page("3.53", effort, progress)
     }),
-    Part::new("basins 3.54", &["3.54"], 60.0, |effort, progress| {
+    FiguresPart::new("basins 3.54", &["3.54"], 60.0, |effort, progress| {
         page("3.54", effort, progress)
     }),
 ];
 
-fn query(point: &Point, effort: Effort) -> Result<BasinsRequest, UserError> {
+fn query(point: &ChapterBasin, effort: Effort) -> Result<BasinsRequest, UserError> {
     // The picture is of the starts on the grid alone.
     match effort {
         Effort::Full => Ok(BasinsRequest {
@@ -49,15 +49,19 @@ fn query(point: &Point, effort: Effort) -> Result<BasinsRequest, UserError> {
     }
 }
 
-fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
-    let points: Vec<&Point> = POINTS.iter().filter(|p| p.figure == figure).collect();
-    let name = |point: &Point| {
+fn page(
+    figure: &'static str,
+    effort: Effort,
+    progress: &ProgressLine,
+) -> Result<Vec<Page>, UserError> {
+    let points: Vec<&ChapterBasin> = POINTS.iter().filter(|p| p.figure == figure).collect();
+    let name = |point: &ChapterBasin| {
         format!(
             "{}) Ω/ω = {:.2}, gap/A0 = {:.2}",
             point.part, point.ratio, point.gap_over_amplitude
         )
     };
-    let explored = |point: &&Point| {
+    let explored = |point: &&ChapterBasin| {
         let basins = explore(Engine::Event, &query(point, effort)?, progress)?;
         Ok((name(point), basins))
     };
@@ -94,7 +98,7 @@ mod tests {
 
     #[test]
     fn every_page_has_pictures_and_tables() {
-        let quiet = Progress::new("", 1, true);
+        let quiet = ProgressLine::new("", 1, true);
         let all = page("3.52", Effort::Coarse, &quiet).unwrap();
         let [page] = all.as_slice() else {
             panic!("one page")

@@ -4,11 +4,11 @@ use shared::model::params::RigParams;
 
 use super::section::{files, rig};
 use super::{Effort, Page};
-use crate::pictures::bifurcation::{Abscissa, Quantity, View, figure, panel};
-use crate::progress::Progress;
+use crate::pictures::bifurcation::{Abscissa, VerticalQuantity, View, figure, panel};
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
+use numerics::bifurcation::{BifurcationDiagram, DiagramRequest, diagrams, rows};
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::lyapunov;
@@ -44,8 +44,8 @@ fn compute(
     gaps_mm: &[f64],
     frequencies_hz: Vec<f64>,
     directions: &[Direction],
-    progress: &Progress,
-) -> Result<Vec<Diagram>, UserError> {
+    progress: &ProgressLine,
+) -> Result<Vec<BifurcationDiagram>, UserError> {
     let request = DiagramRequest {
         rig: rig.clone(),
         gaps_mm: gaps_mm.to_vec(),
@@ -60,7 +60,7 @@ fn compute(
 
 /// Lowest and highest Ω/ω of the first unbroken run of `regime` above `from` (Ω/ω) that lasts for at least three
 /// frequencies.
-fn band(diagram: &Diagram, regime: Regime, from: f64) -> Option<(f64, f64)> {
+fn band(diagram: &BifurcationDiagram, regime: Regime, from: f64) -> Option<(f64, f64)> {
     let runs = diagram
         .stations
         .chunk_by(|a, b| kind(a.row.regime) == kind(b.row.regime));
@@ -81,7 +81,7 @@ struct Wires {
 
 /// The detail about the end of the 1/1.
 struct Detail {
-    diagram: Diagram,
+    diagram: BifurcationDiagram,
     /// Its range of Ω/ω.
     range: (f64, f64),
     /// Distance of two neighbouring frequencies, Ω/ω.
@@ -89,7 +89,7 @@ struct Detail {
 }
 
 /// Whole diagram, and details of displacement and force about the end of the 1/1.
-fn wires(effort: Effort, progress: &Progress, what: &Wires) -> Result<Vec<Page>, UserError> {
+fn wires(effort: Effort, progress: &ProgressLine, what: &Wires) -> Result<Vec<Page>, UserError> {
     let rig = rig("wires", what.gap_mm)?;
     let count = if effort == Effort::Full { 588 } else { 60 };
     let whole = compute(
@@ -116,7 +116,7 @@ fn detail(
     rig: &NamedRig,
     what: &Wires,
     (from, to): (f64, f64),
-    progress: &Progress,
+    progress: &ProgressLine,
 ) -> Result<Detail, UserError> {
     let count = if effort == Effort::Full { 400 } else { 30 };
     let natural = rig.params.natural_frequency_hz();
@@ -129,7 +129,7 @@ fn detail(
         &[Direction::Rest],
         progress,
     )?;
-    let [diagram] = <[Diagram; 1]>::try_from(diagrams)
+    let [diagram] = <[BifurcationDiagram; 1]>::try_from(diagrams)
         .map_err(|_| UserError::new("one gap and one direction gave no single diagram"))?;
     Ok(Detail {
         diagram,
@@ -138,7 +138,11 @@ fn detail(
     })
 }
 
-fn wires_pages(what: &Wires, whole: &[Diagram], detail: &Detail) -> Result<Vec<Page>, UserError> {
+fn wires_pages(
+    what: &Wires,
+    whole: &[BifurcationDiagram],
+    detail: &Detail,
+) -> Result<Vec<Page>, UserError> {
     let gap = what.gap_mm;
     let page = |k: usize, title: &str, command: String, files| Page {
         figure: what.numbers[k],
@@ -174,24 +178,24 @@ fn wires_pages(what: &Wires, whole: &[Diagram], detail: &Detail) -> Result<Vec<P
             1,
             "displacement, detail",
             zoom_command.clone(),
-            zoomed(1, Quantity::Displacement)?,
+            zoomed(1, VerticalQuantity::Displacement)?,
         ),
         page(
             2,
             "impact force, detail",
             zoom_command,
-            zoomed(2, Quantity::Force)?,
+            zoomed(2, VerticalQuantity::Force)?,
         ),
     ])
 }
 
-fn zoom(detail: &Detail, gap: f64, quantity: Quantity) -> Figure {
+fn zoom(detail: &Detail, gap: f64, quantity: VerticalQuantity) -> Figure {
     let view = View {
         quantity,
         abscissa: Abscissa::Ratio,
         range: Some(detail.range),
         measured: None,
-        marks: quantity == Quantity::Displacement,
+        marks: quantity == VerticalQuantity::Displacement,
     };
     Figure::new(format!(
         "wires, gap {gap:?} mm: detail about the end of the 1/1"
@@ -209,7 +213,10 @@ pub type Chaos = (f64, &'static str, f64);
 ///
 /// # Errors
 /// If a motion cannot be followed; with the presets none is.
-pub fn end_and_chaos(gap_mm: f64, progress: &Progress) -> Result<(f64, Option<Chaos>), UserError> {
+pub fn end_and_chaos(
+    gap_mm: f64,
+    progress: &ProgressLine,
+) -> Result<(f64, Option<Chaos>), UserError> {
     const TRIED: usize = 6;
     let rig = rig("wires", gap_mm)?;
     let hz = range(&rig.params, 588);
@@ -230,7 +237,7 @@ pub fn end_and_chaos(gap_mm: f64, progress: &Progress) -> Result<(f64, Option<Ch
     let wild: Vec<_> = wild.collect();
     let mut most: Option<Chaos> = None;
     for station in wild.iter().step_by(wild.len().div_ceil(TRIED).max(1)) {
-        let plan = lyapunov::Span {
+        let plan = lyapunov::LyapunovSpan {
             transient: 100,
             periods: 1000,
         };
@@ -248,7 +255,7 @@ pub fn end_and_chaos(gap_mm: f64, progress: &Progress) -> Result<(f64, Option<Ch
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn wires_0(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 0.0,
         numbers: ["3.27", "3.28", "3.29"],
@@ -260,7 +267,7 @@ pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn wires_1(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 1.0,
         numbers: ["3.30", "3.31", "3.32"],
@@ -272,7 +279,7 @@ pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn wires_2(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 2.4,
         numbers: ["3.33", "3.34", "3.35"],
@@ -284,7 +291,7 @@ pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 3.0];
     let count = if effort == Effort::Full { 588 } else { 40 };
     let named = [
@@ -301,7 +308,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
             .size(1200, 1180);
         for (letter, diagram) in ["a", "b", "c"].into_iter().zip(&found) {
             let view = View {
-                quantity: Quantity::Displacement,
+                quantity: VerticalQuantity::Displacement,
                 abscissa: Abscissa::Ratio,
                 range: None,
                 measured: None,

@@ -3,14 +3,14 @@
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
 use crate::pictures::gaps::figure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
 use files::rigfile;
 use files::table::to_csv;
 use numerics::pick::Springs;
 use numerics::pick::gaps::advise;
-use numerics::{CartModel, Limits, Uncertainty};
+use numerics::{CartModel, PickLimits, Uncertainty};
 
 /// Every rig, and the gaps the chapter measures it at, mm.
 const RIGS: [(&str, [f64; 3]); 4] = [
@@ -24,7 +24,7 @@ const RIGS: [(&str, [f64; 3]); 4] = [
 ///
 /// # Errors
 /// As those of [`advise`].
-pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn pages(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (samples, starts, rigs) = match effort {
         Effort::Full => (64, 400, &RIGS[..]),
         Effort::Coarse => (0, 20, &RIGS[..1]),
@@ -37,7 +37,14 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     for (name, gaps_mm) in rigs {
         let rig = rigfile::load(name, &[])?;
         let on = (uncertainty, Springs::default());
-        let advice = advise(&rig, gaps_mm, on, Limits::default(), (starts, 1), progress)?;
+        let advice = advise(
+            &rig,
+            gaps_mm,
+            on,
+            PickLimits::default(),
+            (starts, 1),
+            progress,
+        )?;
         let table = GapTable::from(&advice);
         let picture = figure(&table, CartModel::Prescribed.words());
         files.extend(drawn(&stem(&format!("conclusion-{name}")), &picture)?);
@@ -68,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_page_gives_the_advice_for_each_rig() {
-        let quiet = Progress::new("", 1, true);
+        let quiet = ProgressLine::new("", 1, true);
         let [page] = &pages(Effort::Coarse, &quiet).unwrap()[..] else {
             panic!("one page");
         };

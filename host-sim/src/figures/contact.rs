@@ -8,12 +8,12 @@ use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, all_laws, rows};
+use numerics::contact_law::{ContactFigures, FIGURE_3_3, FIGURE_3_3_MASS_KG, all_laws, rows};
 use numerics::drop_test::{DropTest, record};
-use numerics::identify::{Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::identify::{IdentifiedFit, MeasuredImpacts, Misfit, SearchSettings, fit, measure};
 use numerics::signal::Signal;
 use plot::Figure;
 
@@ -21,7 +21,7 @@ use plot::Figure;
 ///
 /// # Errors
 /// If a picture cannot be drawn.
-pub fn law_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn law_pages(_: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let pages = vec![figure_3_2()?, figure_3_3()?, laws()?];
     progress.inc(1);
     Ok(pages)
@@ -31,7 +31,7 @@ pub fn law_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn drop_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn drop_pages(_: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let first = std::iter::once(figure_3_8());
     let pages = first.chain(TESTS.iter().map(drop_page)).collect();
     progress.inc(1);
@@ -78,7 +78,7 @@ fn figure_3_8() -> Result<Page, UserError> {
         .iter()
         .filter(|row| (-5e-4..4e-3).contains(&(row.time_s - onset_s)));
     let near: Vec<_> = near.collect();
-    let over = |axis: &str, of: fn(&numerics::drop_test::Row) -> f64| {
+    let over = |axis: &str, of: fn(&numerics::drop_test::DropSample) -> f64| {
         let points = near
             .iter()
             .map(|row| ((row.time_s - onset_s) * 1e3, of(row)));
@@ -131,7 +131,7 @@ const USUAL_SPEED: f64 = 0.08;
 fn laws() -> Result<Page, UserError> {
     let speeds: Vec<f64> = (1..=30).map(|i| f64::from(i) * 0.01).collect();
     let laws = all_laws(TABLE_3_1);
-    let mut seen: Vec<Row> = Vec::new();
+    let mut seen: Vec<ContactFigures> = Vec::new();
     for (name, law) in &laws {
         seen.extend(rows(name, *law, WIRES.mass_kg, &speeds)?);
     }
@@ -172,10 +172,10 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
         seed,
         ..DropTest::default()
     };
-    let settings = Settings {
+    let settings = SearchSettings {
         release_m: test.release_m,
         impacts: test.impacts,
-        ..Settings::DEFAULT
+        ..SearchSettings::DEFAULT
     };
     let measured = synthetic(&WIRES, &test, &settings)?;
     let law = LawKind::SpringDashpot;
@@ -212,8 +212,8 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
 fn synthetic(
     params: &RigParams,
     test: &DropTest,
-    settings: &Settings,
-) -> Result<Measured, UserError> {
+    settings: &SearchSettings,
+) -> Result<MeasuredImpacts, UserError> {
     let rows = record(params, test)?;
     let signal = Signal {
         name: "synthetic drop test".into(),
@@ -224,9 +224,9 @@ fn synthetic(
     Ok(measure(&signal, settings)?)
 }
 
-fn found(peaks: &Fit, force: &Fit, calm: &Fit) -> String {
+fn found(peaks: &IdentifiedFit, force: &IdentifiedFit, calm: &IdentifiedFit) -> String {
     let put_in = [5.5e6, 1.2e3];
-    let off = |fit: &Fit, i: usize| 100.0 * (fit.parameters[i].value / put_in[i] - 1.0);
+    let off = |fit: &IdentifiedFit, i: usize| 100.0 * (fit.parameters[i].value / put_in[i] - 1.0);
     let worst = (0..2).fold(0.0_f64, |m, i| m.max(off(peaks, i).abs()));
     let ringing = force.ring.map_or("not seen".to_owned(), |ring| {
         format!("{:.0} Hz, {:.2} ms", ring.frequency_hz, ring.decay_ms)
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn the_files_of_a_figure_bear_its_name() {
-        let quiet = Progress::new("", 2, true);
+        let quiet = ProgressLine::new("", 2, true);
         let mut pages = law_pages(Effort::Coarse, &quiet).unwrap();
         pages.extend(drop_pages(Effort::Coarse, &quiet).unwrap());
         let numbers: Vec<_> = pages.iter().map(|p| p.figure).collect();

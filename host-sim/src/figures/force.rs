@@ -3,14 +3,14 @@
 
 use serde::Serialize;
 
-use super::force_curves::{Curve, curves, gap_mm};
+use super::force_curves::{SweepCurves, curves, gap_mm};
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
 use crate::pictures::regimes::{regime_group, regime_points};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
-use numerics::row::Row;
+use numerics::row::RunRow;
 use numerics::row::regime_as_text;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
@@ -19,7 +19,7 @@ use shared::model::regime::Regime;
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn wires(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 2.4];
     let curves = curves(&["wires"], &GAPS_MM, (0.6, 5.0), effort, progress)?;
     let figures = ["3.12", "3.13", "3.14"];
@@ -40,7 +40,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const RIGS: [&str; 3] = ["beam-170", "beam-150", "beam-135"];
     let curves = curves(&RIGS, &[0.0, 1.0, 3.0], (0.6, 4.0), effort, progress)?;
     let figures = ["3.40", "3.41", "3.42"];
@@ -71,7 +71,7 @@ struct CurveRow<'a> {
     force_n: f64,
 }
 
-fn page(figure: &'static str, title: String, curves: &[Curve]) -> Result<Page, UserError> {
+fn page(figure: &'static str, title: String, curves: &[SweepCurves]) -> Result<Page, UserError> {
     let picture = curves.iter().fold(
         Figure::new(title.clone())
             .subtitle("Largest contact force over the hammer's weight. Dots: from rest at each frequency, by regime. Lines: the state carried up and down in frequency.")
@@ -79,8 +79,8 @@ fn page(figure: &'static str, title: String, curves: &[Curve]) -> Result<Page, U
         |picture, curve| picture.panel(panel(curve, curves.len() > 1)),
     );
     let mut files = drawn(&stem(figure), &picture)?;
-    let ways = |c: &'_ Curve| {
-        let rows_of = |from: &'static str, rows: &[Row]| -> Vec<(&'static str, Row)> {
+    let ways = |c: &'_ SweepCurves| {
+        let rows_of = |from: &'static str, rows: &[RunRow]| -> Vec<(&'static str, RunRow)> {
             rows.iter().map(|r| (from, r.clone())).collect()
         };
         [
@@ -118,9 +118,9 @@ fn page(figure: &'static str, title: String, curves: &[Curve]) -> Result<Page, U
     })
 }
 
-fn panel(curve: &Curve, titled: bool) -> Panel {
-    let at = |r: &Row| (r.frequency_ratio, r.force_ratio);
-    let line = |rows: &[Row]| rows.iter().map(at).collect::<Vec<_>>();
+fn panel(curve: &SweepCurves, titled: bool) -> Panel {
+    let at = |r: &RunRow| (r.frequency_ratio, r.force_ratio);
+    let line = |rows: &[RunRow]| rows.iter().map(at).collect::<Vec<_>>();
     let mut panel = Panel::new(
         Axis::new("drive frequency over natural frequency, Ω/ω"),
         Axis::new("force ratio, F/(m g)").with_zero(),
@@ -173,7 +173,7 @@ fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
 }
 
 /// The strongest 1/1.
-pub(crate) fn strongest(rows: &[Row]) -> Option<&Row> {
+pub(crate) fn strongest(rows: &[RunRow]) -> Option<&RunRow> {
     let of = rows.iter().filter(|r| r.regime.is(1, 1));
     of.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
 }

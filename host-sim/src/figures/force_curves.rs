@@ -4,21 +4,21 @@ use shared::model::params::{RigParams, preset};
 use shared::model::rig::Rig;
 
 use super::Effort;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::CartModel;
 use numerics::engine::Start;
-use numerics::lanes::{self, Cell, CellPlan, Outcome};
-use numerics::row::{Row, tidy};
+use numerics::lanes::{self, Cell, CellOutcome, CellPlan};
+use numerics::row::{RunRow, tidy};
 use numerics::sweep::spread;
 
 /// Sweeps of one rig at one gap: from rest, up and down.
-pub struct Curve {
+pub struct SweepCurves {
     pub rig: &'static str,
     pub params: RigParams,
-    pub rest: Vec<Row>,
-    pub up: Vec<Row>,
-    pub down: Vec<Row>,
+    pub rest: Vec<RunRow>,
+    pub up: Vec<RunRow>,
+    pub down: Vec<RunRow>,
 }
 
 /// Every rig at every gap, the gaps of a rig together.
@@ -27,8 +27,8 @@ pub fn curves(
     gaps_mm: &[f64],
     (from, to): (f64, f64),
     effort: Effort,
-    progress: &Progress,
-) -> Result<Vec<Curve>, UserError> {
+    progress: &ProgressLine,
+) -> Result<Vec<SweepCurves>, UserError> {
     let (count, plan) = match effort {
         Effort::Full => (441, CellPlan::CHAPTER),
         Effort::Coarse => (
@@ -58,7 +58,7 @@ pub fn curves(
     let carried = carried(&chains, &ratios, &plan, progress)?;
     let all = chains.into_iter().zip(rest).zip(carried);
     Ok(all
-        .map(|(((rig, params), rest), (up, down))| Curve {
+        .map(|(((rig, params), rest), (up, down))| SweepCurves {
             rig,
             params,
             rest,
@@ -79,9 +79,9 @@ fn cell(params: &RigParams, ratio: f64) -> Result<Cell, UserError> {
     })
 }
 
-fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
+fn row(rig: &str, cell: &Cell, seen: &CellOutcome) -> RunRow {
     let params = &cell.params;
-    Row {
+    RunRow {
         rig: rig.to_owned(),
         gap_mm: gap_mm(params),
         cart: CartModel::of(params),
@@ -106,8 +106,8 @@ fn from_rest(
     chains: &[Chain],
     ratios: &[f64],
     plan: &CellPlan,
-    progress: &Progress,
-) -> Result<Vec<Vec<Row>>, UserError> {
+    progress: &ProgressLine,
+) -> Result<Vec<Vec<RunRow>>, UserError> {
     let mut curves = Vec::new();
     for (rig, params) in chains {
         let cells = ratios.iter().map(|ratio| cell(params, *ratio));
@@ -121,17 +121,17 @@ fn from_rest(
 }
 
 /// Rows of one chain carried up and carried down, both by rising frequency.
-type UpAndDown = (Vec<Row>, Vec<Row>);
+type UpAndDown = (Vec<RunRow>, Vec<RunRow>);
 
 /// All chains go side by side, up and down at once, each from where it was left at the last frequency.
 fn carried(
     chains: &[Chain],
     ratios: &[f64],
     plan: &CellPlan,
-    progress: &Progress,
+    progress: &ProgressLine,
 ) -> Result<Vec<UpAndDown>, UserError> {
     let mut found: Vec<UpAndDown> = vec![(Vec::new(), Vec::new()); chains.len()];
-    let mut last: Option<Vec<Outcome>> = None;
+    let mut last: Option<Vec<CellOutcome>> = None;
     for (up, down) in ratios.iter().zip(ratios.iter().rev()) {
         let both = chains
             .iter()

@@ -9,7 +9,7 @@ use super::section::SHOWN;
 use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::words;
 use files::UserError;
 use files::table::to_csv;
@@ -17,7 +17,9 @@ use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, Share, Summary, run, similarity};
+use numerics::map::{
+    Agreement, Grid, Map, MapRequest, MapSummary, RegimeShare, Runner, run, similarity,
+};
 use numerics::row::Outcome;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
@@ -29,7 +31,7 @@ const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn wires(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let map = effort_map("wires", effort, progress)?;
     let first = Page {
         figure: "3.24",
@@ -56,7 +58,7 @@ type BeamMap = (&'static str, &'static str, &'static str, [(f64, f64); 2]);
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const FIGURES: [BeamMap; 3] = [
         ("3.46", "3.47", "beam-170", [(1.80, 1.60), (2.20, 1.50)]),
         ("3.48", "3.49", "beam-150", [(1.80, 1.74), (2.10, 1.40)]),
@@ -89,7 +91,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn switch_model(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (rows, columns, cycles) = match effort {
         Effort::Full => (24, 40, 150),
         Effort::Coarse => (3, 4, 30),
@@ -154,18 +156,23 @@ const COARSE: CellPlan = CellPlan {
 ///
 /// # Errors
 /// If a motion cannot be followed.
-pub fn chapter_map(name: &str, step: usize, progress: &Progress) -> Result<Map, UserError> {
+pub fn chapter_map(name: &str, step: usize, progress: &ProgressLine) -> Result<Map, UserError> {
     map_of(name, step, CellPlan::CHAPTER, progress)
 }
 
-fn effort_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+fn effort_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
     match effort {
         Effort::Full => chapter_map(name, 1, progress),
         Effort::Coarse => map_of(name, 24, COARSE, progress),
     }
 }
 
-fn map_of(name: &str, step: usize, plan: CellPlan, progress: &Progress) -> Result<Map, UserError> {
+fn map_of(
+    name: &str,
+    step: usize,
+    plan: CellPlan,
+    progress: &ProgressLine,
+) -> Result<Map, UserError> {
     let rig = NamedRig::preset(name)?;
     let (gaps, hz) = (
         chapter_gaps_mm(&rig.params),
@@ -178,7 +185,7 @@ fn map_of(name: &str, step: usize, plan: CellPlan, progress: &Progress) -> Resul
     Ok(run(&request(rig, grid, plan, Runner::Lanes), progress)?)
 }
 
-fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+fn detail_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
     let rig = NamedRig::preset(name)?;
     let ((from, to), (low, high)) = DETAIL;
     let (columns, rows, plan) = match effort {
@@ -203,8 +210,8 @@ struct Count {
 }
 
 fn counts(map: &Map) -> Vec<Count> {
-    let shares = Summary::of(map).regimes.into_iter();
-    let count = |share: Share| Count {
+    let shares = MapSummary::of(map).regimes.into_iter();
+    let count = |share: RegimeShare| Count {
         regime: share.regime,
         cells: share.cells,
         share_percent: 100.0 * share.cells as f64 / map.cells.len() as f64,

@@ -11,7 +11,7 @@ use numerics::map::Map;
 
 /// The strongest 1/1 of a gap.
 #[derive(Serialize)]
-pub struct Strongest {
+pub struct StrongestOfGap {
     gap_mm: f64,
     pub gap_ratio: f64,
     frequency_ratio: f64,
@@ -21,7 +21,7 @@ pub struct Strongest {
     force_ratio_at_natural_frequency: f64,
 }
 
-fn strongest(map: &Map, row: usize) -> Option<Strongest> {
+fn strongest(map: &Map, row: usize) -> Option<StrongestOfGap> {
     let ratios = map.frequency_ratios();
     let columns = ratios.len();
     let is = |j: usize| map.cell(row, j).regime.is(1, 1);
@@ -34,7 +34,7 @@ fn strongest(map: &Map, row: usize) -> Option<Strongest> {
         let off = |j: usize| (ratios[j] - 1.0).abs();
         off(*a).total_cmp(&off(*b))
     })?;
-    Some(Strongest {
+    Some(StrongestOfGap {
         gap_mm: map.grid.gaps_mm[row],
         gap_ratio: map.gap_ratios()[row],
         frequency_ratio: ratios[best],
@@ -45,13 +45,13 @@ fn strongest(map: &Map, row: usize) -> Option<Strongest> {
 }
 
 /// The strongest 1/1 of every gap that has one.
-pub fn strongest_rows(map: &Map) -> Vec<Strongest> {
+pub fn strongest_rows(map: &Map) -> Vec<StrongestOfGap> {
     let rows = 0..map.grid.gaps_mm.len();
     rows.filter_map(|row| strongest(map, row)).collect()
 }
 
 /// Whether it lies at the upper edge of its 1/1.
-pub fn at_edge(map: &Map, row: &Strongest) -> bool {
+pub fn at_edge(map: &Map, row: &StrongestOfGap) -> bool {
     let ratios = map.frequency_ratios();
     let steps = ratios.windows(2).map(|w| w[1] - w[0]);
     let step = steps.fold(0.0, f64::max);

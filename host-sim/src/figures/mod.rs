@@ -13,7 +13,7 @@ pub mod orbits;
 pub mod section;
 pub mod switch;
 
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::made_from::MadeFrom;
 use numerics::NamedRig;
@@ -43,13 +43,13 @@ pub enum Effort {
 }
 
 /// Makes the pages of one area.
-pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
+pub type PageMaker = fn(Effort, &ProgressLine) -> Result<Vec<Page>, UserError>;
 
 /// What a part makes.
 #[derive(Clone, Copy, Debug)]
 pub enum Make {
     /// Pages.
-    Pages(Area),
+    Pages(PageMaker),
     /// What the chapter says, statement by statement, with verdicts.
     Statements,
 }
@@ -57,7 +57,7 @@ pub enum Make {
 /// Figures that are made together because they share their runs. Keep parts small: one figure asked for alone makes its
 /// whole part, and an interrupted part begins again.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct FiguresPart {
     /// Its name.
     pub name: &'static str,
     /// The figures it makes.
@@ -69,13 +69,13 @@ pub struct Part {
     pub make: Make,
 }
 
-impl Part {
+impl FiguresPart {
     /// A part from its fields.
     pub const fn new(
         name: &'static str,
         figures: &'static [&'static str],
         seconds: f64,
-        make: Area,
+        make: PageMaker,
     ) -> Self {
         Self {
             name,
@@ -87,29 +87,29 @@ impl Part {
 }
 
 /// Every part, in the chapter's order.
-pub const AREAS: &[Part] = &[
-    Part::new(
+pub const AREAS: &[FiguresPart] = &[
+    FiguresPart::new(
         "contact laws",
         &["3.2", "3.3", "contact laws"],
         0.3,
         contact::law_pages,
     ),
-    Part::new("conclusion", &["conclusion"], 32.0, conclusion::pages),
-    Part::new(
+    FiguresPart::new("conclusion", &["conclusion"], 32.0, conclusion::pages),
+    FiguresPart::new(
         "smoothing against the switch",
         &["3.4"],
         12.0,
         section::smoothing,
     ),
-    Part::new("switch model", &["3.5", "3.6"], 2.6, switch::pages),
-    Part::new(
+    FiguresPart::new("switch model", &["3.5", "3.6"], 2.6, switch::pages),
+    FiguresPart::new(
         "drop tests",
         &["3.8", "3.9", "3.10"],
         2.9,
         contact::drop_pages,
     ),
-    Part::new("force, wires", &["3.12", "3.13", "3.14"], 0.6, force::wires),
-    Part::new(
+    FiguresPart::new("force, wires", &["3.12", "3.13", "3.14"], 0.6, force::wires),
+    FiguresPart::new(
         "sections, wires",
         &[
             "3.16", "3.17", "3.18", "3.19", "3.20", "3.21", "3.22", "3.23",
@@ -117,20 +117,20 @@ pub const AREAS: &[Part] = &[
         1.9,
         section::portraits,
     ),
-    Part::new("maps, wires", &["3.24", "3.25", "3.26"], 4.0, map::wires),
-    Part::new(
+    FiguresPart::new("maps, wires", &["3.24", "3.25", "3.26"], 4.0, map::wires),
+    FiguresPart::new(
         "bifurcation, wires 0.0 mm",
         &["3.27", "3.28", "3.29"],
         1.4,
         bifurcation::wires_0,
     ),
-    Part::new(
+    FiguresPart::new(
         "bifurcation, wires 1.0 mm",
         &["3.30", "3.31", "3.32"],
         1.4,
         bifurcation::wires_1,
     ),
-    Part::new(
+    FiguresPart::new(
         "bifurcation, wires 2.4 mm",
         &["3.33", "3.34", "3.35"],
         1.7,
@@ -139,8 +139,8 @@ pub const AREAS: &[Part] = &[
     basins::PARTS[0],
     basins::PARTS[1],
     basins::PARTS[2],
-    Part::new("force, beams", &["3.40", "3.41", "3.42"], 1.0, force::beams),
-    Part::new(
+    FiguresPart::new("force, beams", &["3.40", "3.41", "3.42"], 1.0, force::beams),
+    FiguresPart::new(
         "bifurcation, beams",
         &["3.43", "3.44", "3.45"],
         1.7,
@@ -149,19 +149,19 @@ pub const AREAS: &[Part] = &[
     basins::PARTS[3],
     basins::PARTS[4],
     basins::PARTS[5],
-    Part::new(
+    FiguresPart::new(
         "orbits",
         &["orbits at 0.0 mm", "orbits at 1.0 mm", "orbits at 2.4 mm"],
         6.0,
         orbits::branches,
     ),
-    Part::new(
+    FiguresPart::new(
         "orbits over the map",
         &["orbits over the map"],
         23.0,
         orbits::over_the_map,
     ),
-    Part::new(
+    FiguresPart::new(
         "maps, beams",
         &[
             "3.46",
@@ -175,20 +175,20 @@ pub const AREAS: &[Part] = &[
         50.0,
         map::beams,
     ),
-    Part::new(
+    FiguresPart::new(
         "map by the switch model",
         &["switch-map"],
         138.0,
         map::switch_model,
     ),
-    Part::new(
+    FiguresPart::new(
         "modes of the beams",
         &["modes 170", "modes 150", "modes 135"],
         28.0,
         modes::beams,
     ),
-    Part::new("mass of the beams", &["modes mass"], 157.0, modes::mass),
-    Part {
+    FiguresPart::new("mass of the beams", &["modes mass"], 157.0, modes::mass),
+    FiguresPart {
         name: "statements",
         figures: &[],
         seconds: 100.0,

@@ -2,13 +2,13 @@
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::rigfile;
 use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Plan as Cycles;
-use numerics::modes::{Beam, ModesRequest, Row, Tip};
+use numerics::modes::{Beam, ModesRequest, ModesRow, TipJoint};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Numbers of modes compared.
@@ -31,7 +31,7 @@ fn resolution(effort: Effort) -> (f64, Cycles) {
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (step, cycles) = resolution(effort);
     let mut pages = Vec::new();
     for (beam, name, title) in [
@@ -60,7 +60,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 
 fn assumed(mass_ratio: f64) -> Beam {
     Beam {
-        tip: Tip::Guided,
+        tip: TipJoint::Guided,
         mass_ratio,
     }
 }
@@ -70,8 +70,8 @@ fn rows(
     beam: Beam,
     ratios: impl Iterator<Item = f64>,
     cycles: Cycles,
-    progress: &Progress,
-) -> Result<Vec<Row>, UserError> {
+    progress: &ProgressLine,
+) -> Result<Vec<ModesRow>, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequencies_hz: Vec<_> = ratios.map(|ratio| ratio * natural).collect();
     rows_with(rig, beam, &COUNTS, &frequencies_hz, cycles, progress)
@@ -83,8 +83,8 @@ fn rows_with(
     counts: &[usize],
     frequencies_hz: &[f64],
     cycles: Cycles,
-    progress: &Progress,
-) -> Result<Vec<Row>, UserError> {
+    progress: &ProgressLine,
+) -> Result<Vec<ModesRow>, UserError> {
     let plan = ModesRequest {
         rig,
         beam,
@@ -95,7 +95,11 @@ fn rows_with(
     Ok(plan.run(progress)?)
 }
 
-fn files(name: &str, figure: &Figure, rows: &[Row]) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+fn files(
+    name: &str,
+    figure: &Figure,
+    rows: &[ModesRow],
+) -> Result<Vec<(String, Vec<u8>)>, UserError> {
     let name = stem(name);
     let mut files = drawn(&name, figure)?;
     files.push((format!("{name}.csv"), to_csv(rows)));
@@ -109,8 +113,8 @@ fn label(count: usize) -> String {
     }
 }
 
-fn over_frequency(title: &str, rows: &[Row]) -> Figure {
-    let panel = |axis: &str, column: fn(&Row) -> f64| {
+fn over_frequency(title: &str, rows: &[ModesRow]) -> Figure {
+    let panel = |axis: &str, column: fn(&ModesRow) -> f64| {
         let x = Axis::new("drive frequency over the first mode's");
         let mut panel = Panel::new(x, Axis::new(axis).with_zero());
         for (i, count) in COUNTS.into_iter().enumerate() {
@@ -136,7 +140,7 @@ fn over_frequency(title: &str, rows: &[Row]) -> Figure {
 }
 
 /// Pairs of rows at the same frequency, with the most modes and with one, where both are 1/1.
-fn pairs(rows: &[Row]) -> Vec<(&Row, &Row)> {
+fn pairs(rows: &[ModesRow]) -> Vec<(&ModesRow, &ModesRow)> {
     let most = COUNTS[COUNTS.len() - 1];
     rows.chunk_by(|a, b| a.frequency_hz == b.frequency_hz)
         .filter_map(|same| {
@@ -148,7 +152,7 @@ fn pairs(rows: &[Row]) -> Vec<(&Row, &Row)> {
 }
 
 /// Median change in percent of a column from one mode to the most.
-fn change(pairs: &[(&Row, &Row)], column: fn(&Row) -> f64) -> f64 {
+fn change(pairs: &[(&ModesRow, &ModesRow)], column: fn(&ModesRow) -> f64) -> f64 {
     let ratios = pairs.iter().map(|(a, b)| column(a) / column(b) - 1.0);
     100.0 * median(ratios.collect())
 }
@@ -160,7 +164,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// What five modes change against one over the frequencies at which both are 1/1.
-pub struct Change {
+pub struct ModesChange {
     /// Median change of the largest force, %.
     pub force_percent: f64,
     /// Median change of the swing, %.
@@ -173,7 +177,11 @@ pub struct Change {
 ///
 /// # Errors
 /// If a motion cannot be followed.
-pub fn change_over(beam: &str, effort: Effort, progress: &Progress) -> Result<Change, UserError> {
+pub fn change_over(
+    beam: &str,
+    effort: Effort,
+    progress: &ProgressLine,
+) -> Result<ModesChange, UserError> {
     let rig = rigfile::load(beam, &[])?;
     let count: u32 = match effort {
         Effort::Full => 80,
@@ -187,7 +195,7 @@ pub fn change_over(beam: &str, effort: Effort, progress: &Progress) -> Result<Ch
     let rows = rows_with(&rig, assumed(MASS_RATIO), &ends, &hz, cycles, progress)?;
     let pairs = pairs(&rows);
     let spread = pairs.iter().map(|(a, _)| a.section_spread_mm);
-    Ok(Change {
+    Ok(ModesChange {
         force_percent: change(&pairs, |row| row.force_n),
         swing_percent: change(&pairs, |row| row.swing_mm),
         spread_mm: spread.fold(0.0, f64::max),
@@ -198,7 +206,7 @@ pub fn change_over(beam: &str, effort: Effort, progress: &Progress) -> Result<Ch
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn mass(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (curves, all) = mass_curves(effort, progress)?;
     let title = "How much the assumed mass of the beam springs matters";
     let figure = Figure::new(title)
@@ -210,8 +218,8 @@ pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
     };
     let found = curves.iter().map(|curve| {
         let tip = match curve.tip {
-            Tip::Guided => "guided",
-            Tip::Free => "free",
+            TipJoint::Guided => "guided",
+            TipJoint::Free => "free",
         };
         format!(
             "tip {tip}: force {}, swing {}",
@@ -234,7 +242,7 @@ pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
 
 /// Change from one mode to five, %, over the mass of the springs over the hammer's.
 struct MassCurves {
-    tip: Tip,
+    tip: TipJoint,
     force: Vec<(f64, f64)>,
     swing: Vec<(f64, f64)>,
 }
@@ -242,8 +250,8 @@ struct MassCurves {
 /// The curves of both tips, and every row they come from.
 fn mass_curves(
     effort: Effort,
-    progress: &Progress,
-) -> Result<(Vec<MassCurves>, Vec<Row>), UserError> {
+    progress: &ProgressLine,
+) -> Result<(Vec<MassCurves>, Vec<ModesRow>), UserError> {
     let (_, cycles) = resolution(effort);
     let (count, masses): (u32, &[f64]) = match effort {
         Effort::Full => (70, &[0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5]),
@@ -251,7 +259,7 @@ fn mass_curves(
     };
     let rig = rigfile::load("beam-170", &[])?;
     let (mut curves, mut all) = (Vec::new(), Vec::new());
-    for tip in [Tip::Guided, Tip::Free] {
+    for tip in [TipJoint::Guided, TipJoint::Free] {
         let (mut force, mut swing) = (Vec::new(), Vec::new());
         for mass_ratio in masses {
             let beam = Beam {
@@ -279,8 +287,8 @@ fn mass_panel(curves: &[MassCurves]) -> Panel {
     );
     curves.iter().enumerate().fold(panel, |panel, (i, curve)| {
         let tip = match curve.tip {
-            Tip::Guided => "tip guided",
-            Tip::Free => "tip free to turn",
+            TipJoint::Guided => "tip guided",
+            TipJoint::Free => "tip free to turn",
         };
         panel
             .item(Item::line(
@@ -302,7 +310,7 @@ mod tests {
 
     #[test]
     fn every_beam_has_its_page_and_names_are_unique() {
-        let progress = Progress::new("figures", 0, true);
+        let progress = ProgressLine::new("figures", 0, true);
         let mut pages = beams(Effort::Coarse, &progress).unwrap();
         pages.extend(mass(Effort::Coarse, &progress).unwrap());
         assert_eq!(pages.len(), 4);

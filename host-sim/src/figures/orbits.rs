@@ -8,11 +8,11 @@ use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::pictures::regimes::regime_raster;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
-use numerics::continuation::curves::Line;
-use numerics::continuation::table::{Answer, line_rows};
+use numerics::continuation::curves::SpecialLine;
+use numerics::continuation::table::{OrbitsAnswer, line_rows};
 use numerics::continuation::{Along, OrbitsRequest, curves, diagram};
 use numerics::lanes::{self, Cell, CellPlan};
 use plot::{Axis, Figure, Item, Panel, edges};
@@ -28,7 +28,7 @@ const GAPS: [(&str, f64); 3] = [
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn branches(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn branches(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     GAPS.iter()
         .map(|(figure, gap_mm)| {
             let page = branch_page(figure, *gap_mm, effort)?;
@@ -55,8 +55,8 @@ fn branch_page(figure: &'static str, gap_mm: f64, effort: Effort) -> Result<Page
         starts,
         checks: 0,
     };
-    let found = diagram(&params, &request, &Progress::new("", 1, true))?;
-    let answer = Answer::new("wires", &found);
+    let found = diagram(&params, &request, &ProgressLine::new("", 1, true))?;
+    let answer = OrbitsAnswer::new("wires", &found);
     let simulated = pictures::orbits::simulated(&found, behind)?;
     let picture = pictures::orbits::figure("wires", &found, &simulated);
     let name = stem(figure);
@@ -85,7 +85,7 @@ const MAP_FREQUENCIES_HZ: (f64, f64) = (1.41, 7.28);
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn over_the_map(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const FIGURE: &str = "orbits over the map";
     let (gaps, frequencies, lines_at, starts) = match effort {
         Effort::Full => (179, 148, 90, 24),
@@ -119,7 +119,11 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     }])
 }
 
-fn map_figure(regimes: &[String], (gaps, frequencies): (usize, usize), lines: &[Line]) -> Figure {
+fn map_figure(
+    regimes: &[String],
+    (gaps, frequencies): (usize, usize),
+    lines: &[SpecialLine],
+) -> Figure {
     let x = edges(MAP_GAPS_MM.0, MAP_GAPS_MM.1, gaps);
     let y = edges(MAP_FREQUENCIES_HZ.0, MAP_FREQUENCIES_HZ.1, frequencies);
     let mut panel = Panel::new(

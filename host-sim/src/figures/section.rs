@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
@@ -34,7 +34,7 @@ pub(super) fn files<T: Serialize>(
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const RATIO: f64 = 2.7;
     let rig = rig("wires", 1.0)?;
     let (points, transient) = match effort {
@@ -66,10 +66,10 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
 }
 
 /// Figure, gap (mm), Ω/ω, the words, and the regime they name (p, n).
-pub type Shown = (&'static str, f64, f64, &'static str, Option<(u16, u8)>);
+pub type ShownSection = (&'static str, f64, f64, &'static str, Option<(u16, u8)>);
 
 /// The motions that section 3.3.5 shows.
-pub const SHOWN: [Shown; 8] = [
+pub const SHOWN: [ShownSection; 8] = [
     (
         "3.16",
         0.0,
@@ -132,12 +132,12 @@ pub const SHOWN: [Shown; 8] = [
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn portraits(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (points, transient) = match effort {
         Effort::Full => (2000, 600),
         Effort::Coarse => (60, 200),
     };
-    let page = |&(number, gap, ratio, ..): &Shown| {
+    let page = |&(number, gap, ratio, ..): &ShownSection| {
         let rig = rig("wires", gap)?;
         let request = poincare::SectionRequest {
             params: rig.params,

@@ -8,11 +8,11 @@ use shared::model::switch::{Band, Subspace, classify};
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
 use numerics::engine::{
-    Engine, Machine, Method, Precision, Recorder, Sample, Setting, Start, machine,
+    CycleRecorder, Engine, Machine, Method, Precision, RecordedSample, Setting, Start, machine,
 };
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
@@ -30,7 +30,7 @@ const NARROW: (f64, f64) = (5e-8, 0.01);
 /// What one width of the band gave.
 struct Run {
     band: (f64, f64),
-    samples: Vec<Sample>,
+    samples: Vec<RecordedSample>,
     /// Contacts that began in the period.
     onsets: u16,
     peak_n: f64,
@@ -40,7 +40,7 @@ struct Run {
 ///
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
-pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+pub fn pages(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let (periods, tick_s) = match effort {
         Effort::Full => (12, 5e-8),
         Effort::Coarse => (2, 1e-6),
@@ -80,9 +80,9 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 
 /// The last of `periods` drive periods, with `samples` of it.
 fn one_period(hammer: &mut dyn Machine, band: (f64, f64), periods: u32, samples: usize) -> Run {
-    let mut recorder = Recorder {
+    let mut recorder = CycleRecorder {
         samples_per_period: samples,
-        ..Recorder::default()
+        ..CycleRecorder::default()
     };
     for _ in 1..periods {
         hammer.period(None);
@@ -97,11 +97,11 @@ fn one_period(hammer: &mut dyn Machine, band: (f64, f64), periods: u32, samples:
 }
 
 /// δ, m.
-fn depth_m(sample: &Sample) -> f64 {
+fn depth_m(sample: &RecordedSample) -> f64 {
     sample.relative_displacement_mm * 1e-3 - STOP.gap_m
 }
 
-fn subspace(rig: &Rig<f64>, sample: &Sample, band: &Band<f64>) -> Subspace {
+fn subspace(rig: &Rig<f64>, sample: &RecordedSample, band: &Band<f64>) -> Subspace {
     let (delta, rate) = (depth_m(sample), sample.relative_velocity_m_per_s);
     // The spring-dashpot does not ask for the approach speed.
     classify(delta, rig.law().force(delta, rate, 0.0), band)
@@ -109,16 +109,16 @@ fn subspace(rig: &Rig<f64>, sample: &Sample, band: &Band<f64>) -> Subspace {
 
 fn trajectory(run: &Run, truth: &Run, frequency_hz: f64) -> Result<Page, UserError> {
     let from = run.samples.first().map_or(0.0, |s| s.time_s);
-    let turns = |s: &Sample| (s.time_s - from) * frequency_hz;
-    let over_time = |value: fn(&Sample) -> f64| -> Vec<(f64, f64)> {
+    let turns = |s: &RecordedSample| (s.time_s - from) * frequency_hz;
+    let over_time = |value: fn(&RecordedSample) -> f64| -> Vec<(f64, f64)> {
         run.samples.iter().map(|s| (turns(s), value(s))).collect()
     };
-    let wall = |s: &Sample| {
+    let wall = |s: &RecordedSample| {
         // The stop rides on the base.
         s.displacement_mm - s.relative_displacement_mm + STOP.gap_m * 1e3
     };
     let phase = |run: &Run| -> Vec<(f64, f64)> {
-        let at = |s: &Sample| (s.relative_displacement_mm, s.relative_velocity_m_per_s);
+        let at = |s: &RecordedSample| (s.relative_displacement_mm, s.relative_velocity_m_per_s);
         run.samples.iter().map(at).collect()
     };
     let title = "A mass on a spring, a shaken base and a stop, by the switch model";
@@ -191,10 +191,10 @@ const NAMES: [(Subspace, &str, Color); 4] = [
 fn crossing(run: &Run) -> Result<Vec<Crossing>, UserError> {
     let rig = Rig::<f64>::new(&STOP)?;
     let band = Band::new(run.band.0, run.band.1);
-    let near = |s: &&Sample| depth_m(s) > -4e-6;
-    let pushes = |s: &&Sample| s.force_n > 0.0;
+    let near = |s: &&RecordedSample| depth_m(s) > -4e-6;
+    let pushes = |s: &&RecordedSample| s.force_n > 0.0;
     let first = run.samples.iter().find(pushes).map_or(0.0, |s| s.time_s);
-    let crossing = |s: &Sample| {
+    let crossing = |s: &RecordedSample| {
         let here = subspace(&rig, s, &band);
         let name = NAMES.iter().find(|n| n.0 == here).map_or("", |n| n.1);
         Crossing {
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn an_impact_passes_the_subspaces_in_their_order() {
-        let pages = pages(Effort::Coarse, &Progress::new("", 1, true)).unwrap();
+        let pages = pages(Effort::Coarse, &ProgressLine::new("", 1, true)).unwrap();
         let table = &pages[1].files[2].1;
         let mut seen: Vec<String> = Vec::new();
         for row in csv::Reader::from_reader(&table[..]).records() {

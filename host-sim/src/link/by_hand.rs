@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use shared::control::{Command, Mode, State, Status};
-use shared::fault::Record;
+use shared::fault::FaultRecord;
 use shared::settings::TICK_RATE_HZ;
 
 use super::client::{Client, Clock};
@@ -35,7 +35,7 @@ const LONGEST_S: f64 = 1e6;
 
 /// How the curve is measured. Times are the controller's.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct CurvePlan {
     /// Drive frequencies in the order visited, Hz.
     pub frequencies_hz: Vec<f64>,
     /// Cart amplitude, m.
@@ -50,7 +50,7 @@ pub struct Plan {
 
 /// A measured point. As a line of CSV it is what `host-sim sweep --measured` reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Point {
+pub struct ForcePoint {
     /// Drive frequency asked for, Hz; not part of the table.
     #[serde(skip)]
     pub asked_hz: f64,
@@ -64,7 +64,7 @@ pub struct Point {
     pub amplitude_mm: f64,
 }
 
-impl Point {
+impl ForcePoint {
     /// Whether the controller kept the drive within its limits instead of following what was asked.
     pub fn was_limited(&self) -> bool {
         (self.frequency_hz - self.asked_hz).abs() > 1e-4 * self.asked_hz
@@ -73,7 +73,7 @@ impl Point {
 
 /// How a measurement ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum MeasurementEnded {
     /// Every frequency was measured.
     Whole,
     /// It was interrupted before the last frequency was measured.
@@ -89,10 +89,10 @@ pub enum Ended {
 /// switches the drive off.
 pub fn measure<P: Read + Write>(
     client: &mut Client<P>,
-    plan: &Plan,
+    plan: &CurvePlan,
     interrupted: &dyn Fn() -> bool,
-    mut measured: impl FnMut(&Point) -> Result<(), UserError>,
-) -> Result<Ended, UserError> {
+    mut measured: impl FnMut(&ForcePoint) -> Result<(), UserError>,
+) -> Result<MeasurementEnded, UserError> {
     client.command(Command::Start(Mode::Manual))?;
     let ended = ByHand {
         client,
@@ -100,8 +100,8 @@ pub fn measure<P: Read + Write>(
     }
     .points(plan, &mut measured);
     let ended = match ended {
-        Ok(()) => Ended::Whole,
-        Err(Halt::Interrupted) => Ended::Interrupted,
+        Ok(()) => MeasurementEnded::Whole,
+        Err(Halt::Interrupted) => MeasurementEnded::Interrupted,
         Err(Halt::Failed(error)) => {
             // Only while this program steers: a drive that somebody has taken over is theirs. In Fault the stop is refused, and a
             // broken link does not carry it: the error tells.
@@ -113,8 +113,8 @@ pub fn measure<P: Read + Write>(
     };
     client.command(Command::Stop)?;
     let patience = match ended {
-        Ended::Whole => STOP,
-        Ended::Interrupted => STOP_INTERRUPTED,
+        MeasurementEnded::Whole => STOP,
+        MeasurementEnded::Interrupted => STOP_INTERRUPTED,
     };
     let stopping = ByHand {
         client,
@@ -150,8 +150,8 @@ struct ByHand<'a, P> {
 impl<P: Read + Write> ByHand<'_, P> {
     fn points(
         &mut self,
-        plan: &Plan,
-        measured: &mut dyn FnMut(&Point) -> Result<(), UserError>,
+        plan: &CurvePlan,
+        measured: &mut dyn FnMut(&ForcePoint) -> Result<(), UserError>,
     ) -> Result<(), Halt> {
         self.wait(START, "reach manual mode", |status| {
             Ok(status.state == State::Manual)
@@ -162,7 +162,7 @@ impl<P: Read + Write> ByHand<'_, P> {
         Ok(())
     }
 
-    fn point(&mut self, plan: &Plan, frequency_hz: f64) -> Result<Point, Halt> {
+    fn point(&mut self, plan: &CurvePlan, frequency_hz: f64) -> Result<ForcePoint, Halt> {
         self.client.command(Command::SetPoint {
             frequency_hz: frequency_hz as f32,
             amplitude_m: plan.amplitude_m as f32,
@@ -173,7 +173,7 @@ impl<P: Read + Write> ByHand<'_, P> {
         let last = self.pass(plan.measure_s, |status| {
             force_n = force_n.max(status.peak_n);
         })?;
-        Ok(Point {
+        Ok(ForcePoint {
             asked_hz: frequency_hz,
             frequency_hz: shortest(last.frequency_hz),
             force_n: shortest(force_n),
@@ -258,7 +258,7 @@ impl<P: Read + Write> ByHand<'_, P> {
         }
     }
 
-    fn fault(&self, record: &Record) -> UserError {
+    fn fault(&self, record: &FaultRecord) -> UserError {
         self.client.complaint(format!(
             "the drive is off: fault {} ({}) at {:.3} Hz; mend it, then `host-sim link {} clear-fault`",
             record.fault.code(),

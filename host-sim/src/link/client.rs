@@ -7,8 +7,8 @@ use std::time::{Duration, Instant, SystemTime};
 use serialport::SerialPort;
 use shared::control::{Command, Refused, SettingsState, Status};
 use shared::link::{
-    Act, Answer, BoardState, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, RATES, Refusal,
-    SESSION_S, ToBoard, encode,
+    BoardState, FromBoard, Hello, LinkAct, LinkAnswer, MAX_FRAME, PROTOCOL_VERSION, Packet, RATES,
+    Refusal, SESSION_S, ToBoard, encode,
 };
 use wire::Caller;
 
@@ -185,7 +185,7 @@ impl<P: Read + Write> Client<P> {
         // Ends whatever half frame the board may be in.
         self.write(&[0])?;
         let mut hello = match self.ask(ToBoard::Hello)? {
-            Answer::Hello(hello) => hello,
+            LinkAnswer::Hello(hello) => hello,
             other => return Err(self.odd(&other)),
         };
         // Whatever is on the wire, a name is shown on a terminal: no escape sequence gets there.
@@ -217,7 +217,7 @@ impl<P: Read + Write> Client<P> {
     ///
     /// # Errors
     /// If the port fails, or the board does not answer.
-    pub fn ask(&mut self, request: ToBoard) -> Result<Answer, UserError> {
+    pub fn ask(&mut self, request: ToBoard) -> Result<LinkAnswer, UserError> {
         let (patience, attempts) = match request {
             ToBoard::Steer { act, .. } => patience_for(&act),
             // A second one would name a number that is no longer the board's.
@@ -244,8 +244,8 @@ impl<P: Read + Write> Client<P> {
     /// If the port fails, or the board does not answer or refuses the request.
     pub fn tell(&mut self, request: ToBoard) -> Result<(), UserError> {
         match self.ask(request)? {
-            Answer::Done => Ok(()),
-            Answer::Refused(refusal) => Err(self.complaint(reason(refusal))),
+            LinkAnswer::Done => Ok(()),
+            LinkAnswer::Refused(refusal) => Err(self.complaint(reason(refusal))),
             other => Err(self.odd(&other)),
         }
     }
@@ -256,7 +256,7 @@ impl<P: Read + Write> Client<P> {
     /// As those of [`Client::ask`].
     pub fn board(&mut self) -> Result<BoardState, UserError> {
         match self.ask(ToBoard::GetBoard)? {
-            Answer::Board(board) => Ok(board),
+            LinkAnswer::Board(board) => Ok(board),
             other => Err(self.odd(&other)),
         }
     }
@@ -280,11 +280,11 @@ impl<P: Read + Write> Client<P> {
                 take_over,
             };
             return match self.ask(request)? {
-                Answer::Session(session) => {
+                LinkAnswer::Session(session) => {
                     self.caller.granted(session);
                     Ok(())
                 }
-                Answer::Refused(refusal) => Err(self.complaint(reason(refusal))),
+                LinkAnswer::Refused(refusal) => Err(self.complaint(reason(refusal))),
                 other => Err(self.odd(&other)),
             };
         }
@@ -294,7 +294,7 @@ impl<P: Read + Write> Client<P> {
     ///
     /// # Errors
     /// As those of [`Client::tell`].
-    pub fn steer(&mut self, act: Act) -> Result<(), UserError> {
+    pub fn steer(&mut self, act: LinkAct) -> Result<(), UserError> {
         let request = self.caller.steer(act);
         // Each attempt gets a number of its own.
         self.tell(request.map_err(|why| self.complaint(reason(why)))?)
@@ -307,7 +307,7 @@ impl<P: Read + Write> Client<P> {
     pub fn command(&mut self, command: Command) -> Result<(), UserError> {
         match command {
             Command::Stop => self.tell(ToBoard::Command(Command::Stop)),
-            _ => self.steer(Act::Command(command)),
+            _ => self.steer(LinkAct::Command(command)),
         }
     }
 
@@ -317,7 +317,7 @@ impl<P: Read + Write> Client<P> {
     /// As those of [`Client::ask`].
     pub fn status(&mut self) -> Result<Status, UserError> {
         match self.ask(ToBoard::GetStatus)? {
-            Answer::Status(status) => Ok(status),
+            LinkAnswer::Status(status) => Ok(status),
             other => Err(self.odd(&other)),
         }
     }
@@ -342,13 +342,13 @@ impl<P: Read + Write> Client<P> {
     }
 
     /// The error of an answer of the wrong kind.
-    pub fn odd(&self, answer: &Answer) -> UserError {
+    pub fn odd(&self, answer: &LinkAnswer) -> UserError {
         self.complaint(format!(
             "the board answered something else ({answer:?}); reset it and try again"
         ))
     }
 
-    fn await_answer(&mut self, patience: Duration) -> Result<Option<Answer>, UserError> {
+    fn await_answer(&mut self, patience: Duration) -> Result<Option<LinkAnswer>, UserError> {
         let until = Instant::now() + patience;
         while Instant::now() < until {
             if let Some(answer) = self.listen()? {
@@ -359,7 +359,7 @@ impl<P: Read + Write> Client<P> {
     }
 
     /// Reads once and returns the answer to the last request, if it came. Streamed messages are stored.
-    fn listen(&mut self) -> Result<Option<Answer>, UserError> {
+    fn listen(&mut self) -> Result<Option<LinkAnswer>, UserError> {
         let mut bytes = [0; 4096];
         let count = match self.port.read(&mut bytes) {
             Ok(count) => count,
@@ -418,13 +418,13 @@ pub(crate) fn is_patience(error: &io::Error) -> bool {
 }
 
 /// How long to wait for the answer to an act, and how often to send it.
-fn patience_for(act: &Act) -> (Duration, u32) {
+fn patience_for(act: &LinkAct) -> (Duration, u32) {
     match act {
-        Act::SetSettings(_) | Act::SetBrownOut | Act::Command(Command::ConfirmSettings) => {
-            (PATIENCE_FOR_FLASH, ATTEMPTS)
-        }
+        LinkAct::SetSettings(_)
+        | LinkAct::SetBrownOut
+        | LinkAct::Command(Command::ConfirmSettings) => (PATIENCE_FOR_FLASH, ATTEMPTS),
         // Sent twice, the second would be refused though the first was obeyed.
-        Act::Command(Command::Start(_) | Command::ClearFault) | Act::Release => {
+        LinkAct::Command(Command::Start(_) | Command::ClearFault) | LinkAct::Release => {
             (PATIENCE * ATTEMPTS, 1)
         }
         _ => (PATIENCE, ATTEMPTS),

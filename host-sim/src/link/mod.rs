@@ -16,4 +16,4 @@ mod port;
 pub mod recording;
 
 pub use client::{Client, open};
-pub use emulator::board::{Board, Server};
+pub use emulator::board::{BoardSession, EmulatedBoard};

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::control::{BootInfo, Command, State};
-use shared::link::{Act, Answer, FromBoard, Hello, ToBoard};
+use shared::link::{FromBoard, Hello, LinkAct, LinkAnswer, ToBoard};
 
 use super::client::Client;
-use emulator::log::{Block, Header, Writer};
+use emulator::log::{Header, LogBlock, LogWriter};
 use emulator::names::state_name;
 use files::UserError;
 use files::made_from::{self, MadeFrom};
@@ -33,7 +33,7 @@ pub fn record<P: Read + Write>(
     given: Option<Command>,
 ) -> Result<PathBuf, UserError> {
     let settings = match client.ask(ToBoard::GetSettings)? {
-        Answer::Settings(settings) => settings,
+        LinkAnswer::Settings(settings) => settings,
         other => return Err(client.odd(&other)),
     };
     let status = client.status()?;
@@ -56,10 +56,10 @@ pub fn record<P: Read + Write>(
         scenario: None,
         made_from: Some(made_from::pair(made).1),
     };
-    let mut writer = Writer::create(path, &header)?;
+    let mut writer = LogWriter::create(path, &header)?;
     client.tell(ToBoard::StreamFrames { on: true })?;
     // The same settings again: the controller is made anew, and a replay can begin where it did.
-    client.steer(Act::SetSettings(settings))?;
+    client.steer(LinkAct::SetSettings(settings))?;
     if let Some(command) = given {
         client.command(command)?;
     }
@@ -85,7 +85,7 @@ pub fn record<P: Read + Write>(
 
 fn stream<P: Read + Write>(
     client: &mut Client<P>,
-    writer: &mut Writer,
+    writer: &mut LogWriter,
     ticks: u64,
     heartbeat: bool,
 ) -> Result<(), UserError> {
@@ -124,7 +124,7 @@ fn stream<P: Read + Write>(
             )));
         }
         expected = Some(next.wrapping_add(exchange.frames.len() as u32));
-        writer.block(&Block::from(&exchange))?;
+        writer.block(&LogBlock::from(&exchange))?;
     }
     Ok(())
 }

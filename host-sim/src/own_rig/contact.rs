@@ -2,13 +2,13 @@
 
 use numerics::pick::sensitivity::{contact_time_s, damping_ratio_of_restitution};
 
-use super::reading::Reading;
+use super::reading::OwnReading;
 use files::UserError;
 use files::words::digits::significant;
 
 /// Stiffness and damping, with their half-widths as `[uncertainty]` has them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
+pub struct OwnContact {
     /// ki, N/m.
     pub stiffness: f64,
     /// ci, N s/m.
@@ -17,7 +17,7 @@ pub struct Contact {
     pub widths: [(&'static str, f64); 2],
 }
 
-impl Contact {
+impl OwnContact {
     /// Stiffness and damping known by themselves, each to so many %.
     pub fn apart(stiffness: f64, damping: f64, percent: [f64; 2]) -> Self {
         let [of_stiffness, of_damping] = percent;
@@ -53,7 +53,7 @@ impl Contact {
 ///
 /// # Errors
 /// If it reaches a contact damped critically, or one that loses nothing.
-pub fn ratios(restitution: &Reading) -> Result<[f64; 2], String> {
+pub fn ratios(restitution: &OwnReading) -> Result<[f64; 2], String> {
     let [low, high] = [-1.0, 1.0].map(|side| restitution.value + side * restitution.half_width);
     let ratios = damping_ratio_of_restitution(high).zip(damping_ratio_of_restitution(low));
     ratios.map(<[f64; 2]>::from).ok_or_else(|| {
@@ -68,7 +68,7 @@ pub fn ratios(restitution: &Reading) -> Result<[f64; 2], String> {
 ///
 /// # Errors
 /// If it reaches down to none.
-pub fn times(time_s: &Reading) -> Result<[f64; 2], String> {
+pub fn times(time_s: &OwnReading) -> Result<[f64; 2], String> {
     let [low, high] = [-1.0, 1.0].map(|side| time_s.value + side * time_s.half_width);
     if low > 0.0 {
         return Ok([low, high]);
@@ -95,9 +95,9 @@ const WIDE: f64 = 1.3;
 /// If there is no such contact at a corner.
 pub fn of_restitution_and_time(
     mass_kg: f64,
-    restitution: &Reading,
-    time_s: &Reading,
-) -> Result<Contact, UserError> {
+    restitution: &OwnReading,
+    time_s: &OwnReading,
+) -> Result<OwnContact, UserError> {
     let ratios = ratios_given(restitution)?;
     let times = times(time_s).map_err(|why| UserError::new(why).at("--contact-time"))?;
     let middle = stiffness(mass_kg, 0.5 * (ratios[0] + ratios[1]), time_s.value);
@@ -113,7 +113,7 @@ pub fn of_restitution_and_time(
     }
     let percent = 100.0 * (high / middle - 1.0).max(1.0 - low / middle);
     let width = ("contact_stiffness_percent", percent);
-    Ok(Contact::with_ratio(mass_kg, middle, width, ratios))
+    Ok(OwnContact::with_ratio(mass_kg, middle, width, ratios))
 }
 
 /// The contact with this restitution and a stiffness from `low` to `high`, in N/m.
@@ -122,16 +122,16 @@ pub fn of_restitution_and_time(
 /// If there is no such contact.
 pub fn of_restitution_and_surface(
     mass_kg: f64,
-    restitution: &Reading,
+    restitution: &OwnReading,
     [low, high]: [f64; 2],
-) -> Result<Contact, UserError> {
+) -> Result<OwnContact, UserError> {
     let width = ("contact_stiffness_factor", (high / low).sqrt());
     let middle = (low * high).sqrt();
     let ratios = ratios_given(restitution)?;
-    Ok(Contact::with_ratio(mass_kg, middle, width, ratios))
+    Ok(OwnContact::with_ratio(mass_kg, middle, width, ratios))
 }
 
-fn ratios_given(restitution: &Reading) -> Result<[f64; 2], UserError> {
+fn ratios_given(restitution: &OwnReading) -> Result<[f64; 2], UserError> {
     ratios(restitution).map_err(|why| UserError::new(why).at("--restitution"))
 }
 
@@ -143,8 +143,8 @@ mod tests {
     /// Table 3.1: 5.5e6 N/m and 1.2e3 N s/m at 0.298 kg make 0.570751 ms and restitution 0.316902.
     #[test]
     fn the_known_contact_comes_back() {
-        let time = Reading::assumed(0.570_751e-3, 1e-9);
-        let restitution = Reading::assumed(0.316_902, 1e-6);
+        let time = OwnReading::assumed(0.570_751e-3, 1e-9);
+        let restitution = OwnReading::assumed(0.316_902, 1e-6);
         let contact = of_restitution_and_time(0.298, &restitution, &time).unwrap();
         assert!(
             (contact.stiffness / 5.5e6 - 1.0).abs() < 1e-5,
@@ -160,14 +160,16 @@ mod tests {
     /// What one contact time leaves open moves stiffness and damping together: the damping ratio is the restitution's alone.
     #[test]
     fn a_time_known_to_a_percent_gives_the_stiffness_to_two_and_the_damping_ratio_exactly() {
-        let time = Reading::assumed(0.57e-3, 0.57e-5);
-        let contact = of_restitution_and_time(0.298, &Reading::assumed(0.317, 0.0), &time).unwrap();
+        let time = OwnReading::assumed(0.57e-3, 0.57e-5);
+        let contact =
+            of_restitution_and_time(0.298, &OwnReading::assumed(0.317, 0.0), &time).unwrap();
         let [(_, stiffness), (key, ratio)] = contact.widths;
         assert!((stiffness - 2.03).abs() < 0.02, "{contact:?}");
         assert_eq!((key, ratio), ("contact_damping_ratio_percent", 0.0));
         // Known to half, four corners from 1/2.25 to 4 times: no percentage says that.
-        let time = Reading::assumed(0.57e-3, 0.285e-3);
-        let contact = of_restitution_and_time(0.298, &Reading::assumed(0.317, 0.0), &time).unwrap();
+        let time = OwnReading::assumed(0.57e-3, 0.285e-3);
+        let contact =
+            of_restitution_and_time(0.298, &OwnReading::assumed(0.317, 0.0), &time).unwrap();
         let (key, factor) = contact.widths[0];
         assert_eq!(key, "contact_stiffness_factor");
         assert!((factor - 3.0).abs() < 1e-9, "{factor}");
@@ -175,8 +177,8 @@ mod tests {
 
     /// Low and high stiffness of a contact time of 4 ms known to so many ms, and the key of its width.
     fn known_to(half_width_ms: f64) -> (f64, f64, &'static str) {
-        let time = Reading::assumed(4e-3, 1e-3 * half_width_ms);
-        let restitution = Reading::assumed(0.32, 0.02);
+        let time = OwnReading::assumed(4e-3, 1e-3 * half_width_ms);
+        let restitution = OwnReading::assumed(0.32, 0.02);
         let contact = of_restitution_and_time(0.298, &restitution, &time).unwrap();
         let (key, width) = contact.widths[0];
         let middle = contact.stiffness;
@@ -214,7 +216,7 @@ mod tests {
     #[test]
     fn what_is_no_restitution_gives_no_contact() {
         for value in [0.0, 1.0, 1.2, -0.3] {
-            let restitution = Reading::assumed(value, 0.0);
+            let restitution = OwnReading::assumed(value, 0.0);
             let contact = of_restitution_and_surface(0.298, &restitution, [1e6, 1e7]);
             assert!(contact.is_err(), "{value}");
         }

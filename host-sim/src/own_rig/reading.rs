@@ -6,7 +6,7 @@ use std::fmt;
 const DOUBTFUL: f64 = 0.2;
 
 /// What can be measured: the units it may be written in, and its range.
-pub struct Quantity {
+pub struct ReadingQuantity {
     /// What one of each unit is in SI; a unit "" means that none is needed.
     units: &'static [(&'static str, f64)],
     /// Lowest and highest value, SI.
@@ -16,67 +16,67 @@ pub struct Quantity {
 }
 
 /// Weight of a body.
-pub const MASS: Quantity = Quantity {
+pub const MASS: ReadingQuantity = ReadingQuantity {
     units: &[("g", 1e-3), ("kg", 1.0)],
     range: (1e-4, 1e5),
     words: "0.1 g to 100000 kg",
 };
 /// Length of the wires.
-pub const WIRE_LENGTH: Quantity = Quantity {
+pub const WIRE_LENGTH: ReadingQuantity = ReadingQuantity {
     units: LENGTHS,
     range: (1e-3, 100.0),
     words: "1 mm to 100 m",
 };
 /// Stroke of the cart.
-pub const STROKE: Quantity = Quantity {
+pub const STROKE: ReadingQuantity = ReadingQuantity {
     units: LENGTHS,
     range: (2e-6, 0.2),
     words: "0.002 mm to 200 mm",
 };
 /// Clearance at rest.
-pub const GAP: Quantity = Quantity {
+pub const GAP: ReadingQuantity = ReadingQuantity {
     units: LENGTHS,
     range: (-0.1, 0.1),
     words: "-100 mm to 100 mm",
 };
 /// Time of some swings.
-pub const SWING_TIME: Quantity = Quantity {
+pub const SWING_TIME: ReadingQuantity = ReadingQuantity {
     units: TIMES,
     range: (0.1, 1e5),
     words: "0.1 s to 100000 s",
 };
 /// Time of one contact.
-pub const CONTACT_TIME: Quantity = Quantity {
+pub const CONTACT_TIME: ReadingQuantity = ReadingQuantity {
     units: TIMES,
     range: (1e-6, 1.0),
     words: "0.001 ms to 1000 ms",
 };
 /// A frequency.
-pub const FREQUENCY: Quantity = Quantity {
+pub const FREQUENCY: ReadingQuantity = ReadingQuantity {
     units: &[("Hz", 1.0)],
     range: (0.01, 1e4),
     words: "0.01 Hz to 10000 Hz",
 };
 /// A force.
-pub const FORCE: Quantity = Quantity {
+pub const FORCE: ReadingQuantity = ReadingQuantity {
     units: &[("N", 1.0), ("kN", 1e3)],
     range: (1e-3, 1e6),
     words: "0.001 N to 1000 kN",
 };
 /// A damping ratio of beams.
-pub const DAMPING_RATIO: Quantity = Quantity {
+pub const DAMPING_RATIO: ReadingQuantity = ReadingQuantity {
     units: RATIOS,
     range: (0.0, 0.99),
     words: "0 to 0.99",
 };
 /// The damping ratio of a shaker's position loop.
-pub const LOOP_DAMPING: Quantity = Quantity {
+pub const LOOP_DAMPING: ReadingQuantity = ReadingQuantity {
     units: RATIOS,
     range: (0.0, 100.0),
     words: "0 to 100",
 };
 /// A coefficient of restitution. At 0.14 a spring-dashpot is damped critically.
-pub const RESTITUTION: Quantity = Quantity {
+pub const RESTITUTION: ReadingQuantity = ReadingQuantity {
     units: RATIOS,
     range: (0.14, 0.999),
     words: "0.14 (a contact damped critically) to 0.999",
@@ -88,7 +88,7 @@ const RATIOS: &[(&str, f64)] = &[("", 1.0), ("%", 1e-2)];
 
 /// A value and its half-width, in SI units.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
+pub struct OwnReading {
     /// The value: the mean, where there are several readings.
     pub value: f64,
     /// The true value lies within this of it, at 95 % where there are several readings.
@@ -122,7 +122,7 @@ impl fmt::Display for From {
     }
 }
 
-impl Reading {
+impl OwnReading {
     /// A value that nobody measured.
     pub fn assumed(value: f64, half_width: f64) -> Self {
         Self {
@@ -150,13 +150,13 @@ struct Number<'a> {
     unit: Option<&'a (&'static str, f64)>,
 }
 
-impl Quantity {
+impl ReadingQuantity {
     /// Reads `298g`, `298+-1 g` (or `298±1 g`), or several readings with blanks or semicolons between them:
     /// `298 299 297.5 g`.
     ///
     /// # Errors
     /// In words that name the mend.
-    pub fn read(&self, text: &str) -> Result<Reading, String> {
+    pub fn read(&self, text: &str) -> Result<OwnReading, String> {
         self.read_in("", text)
     }
 
@@ -164,7 +164,7 @@ impl Quantity {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn read_in(&self, unit: &str, text: &str) -> Result<Reading, String> {
+    pub fn read_in(&self, unit: &str, text: &str) -> Result<OwnReading, String> {
         let unit = self.unit(unit);
         let trimmed = text.trim();
         let plain;
@@ -200,7 +200,7 @@ impl Quantity {
             let words = self.words;
             return Err(format!("{trimmed} is out of range: write {words}"));
         }
-        Ok(Reading {
+        Ok(OwnReading {
             value,
             half_width,
             text: match unit {

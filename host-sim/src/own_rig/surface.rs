@@ -107,13 +107,13 @@ impl Surface {
 }
 
 /// One of [`SURFACES`].
-pub type Named = &'static Surface;
+pub type NamedSurface = &'static Surface;
 
-/// [`Named`] as an option and an answer have it.
+/// [`NamedSurface`] as an option and an answer have it.
 #[derive(Clone, Copy, Debug)]
-pub struct Choice(pub Named);
+pub struct SurfaceChoice(pub NamedSurface);
 
-impl Choice {
+impl SurfaceChoice {
     /// The surface of this name, or the only one whose name has `text` in it: "rubber".
     pub fn meant(text: &str) -> Option<Self> {
         let text = text.to_lowercase();
@@ -124,13 +124,13 @@ impl Choice {
     }
 }
 
-impl ValueEnum for Choice {
+impl ValueEnum for SurfaceChoice {
     fn value_variants<'a>() -> &'a [Self] {
-        const ALL: [Choice; 8] = {
-            let mut all = [Choice(&SURFACES[0]); 8];
+        const ALL: [SurfaceChoice; 8] = {
+            let mut all = [SurfaceChoice(&SURFACES[0]); 8];
             let mut i = 0;
             while i < all.len() {
-                all[i] = Choice(&SURFACES[i]);
+                all[i] = SurfaceChoice(&SURFACES[i]);
                 i += 1;
             }
             all
@@ -173,11 +173,15 @@ mod tests {
 
     #[test]
     fn a_part_of_one_name_alone_means_it() {
-        let of = |text| Choice::meant(text).map(|choice| choice.0.name);
+        let of = |text| SurfaceChoice::meant(text).map(|choice| choice.0.name);
         assert_eq!(of("Rubber"), Some("hard-rubber"));
         assert_eq!(of("steel"), Some("steel"));
         assert_eq!(of("hardened"), Some("hardened-steel"));
-        let as_option = |text| Choice::from_str(text, false).ok().map(|of| of.0.name);
+        let as_option = |text| {
+            SurfaceChoice::from_str(text, false)
+                .ok()
+                .map(|of| of.0.name)
+        };
         assert_eq!(as_option("rubber"), Some("hard-rubber"));
         assert_eq!(as_option("hard"), None);
         for unclear in ["", "r", "rope"] {

@@ -22,7 +22,7 @@ const ALWAYS: &str = "X-Frame-Options: DENY\r\n\
 
 /// An answer of HTTP.
 #[derive(Clone, Copy, Debug)]
-pub struct Answer<'a> {
+pub struct HttpAnswer<'a> {
     /// The status.
     pub status: u16,
     /// The type of the body.
@@ -31,7 +31,7 @@ pub struct Answer<'a> {
     pub body: &'a [u8],
 }
 
-impl Answer<'_> {
+impl HttpAnswer<'_> {
     /// Sends it, under a policy for its contents.
     ///
     /// # Errors

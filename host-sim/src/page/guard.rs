@@ -1,11 +1,11 @@
 //! Who is let in.
 
-use super::request::Request;
+use super::request::HttpRequest;
 use super::secret::Secret;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
+pub enum DoorWanted {
     /// The page.
     Page,
     /// Which board there is.
@@ -16,23 +16,23 @@ pub enum Wanted {
 
 /// Why somebody is not let in: a status of HTTP and a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Refused(pub u16, pub &'static str);
+pub struct TurnedAway(pub u16, pub &'static str);
 
 /// The path is not one of ours, or its secret is not right: the answer is the same.
-const NOT_FOUND: Refused = Refused(
+const NOT_FOUND: TurnedAway = TurnedAway(
     404,
     "not here: open the whole address that host-sim has printed",
 );
 
 /// The door of a server at a port.
 #[derive(Clone, Debug)]
-pub struct Guard {
+pub struct Doorkeeper {
     secret: Secret,
     /// What a browser of this machine may call the server.
     hosts: [String; 3],
 }
 
-impl Guard {
+impl Doorkeeper {
     /// For a server that listens at `port`.
     pub fn new(secret: Secret, port: u16) -> Self {
         let hosts = ["127.0.0.1", "[::1]", "localhost"].map(|name| format!("{name}:{port}"));
@@ -49,10 +49,10 @@ impl Guard {
     ///
     /// # Errors
     /// Why not.
-    pub fn admit(&self, request: &Request) -> Result<Wanted, Refused> {
+    pub fn admit(&self, request: &HttpRequest) -> Result<DoorWanted, TurnedAway> {
         let host = request.header("host").unwrap_or_default();
         if !self.hosts.iter().any(|known| known == host) {
-            return Err(Refused(
+            return Err(TurnedAway(
                 403,
                 "this server answers to its own name only: 127.0.0.1 and its port",
             ));
@@ -60,10 +60,10 @@ impl Guard {
         let origin = request.header("origin");
         let own = |origin: &str| origin.strip_prefix("http://") == Some(host);
         if !origin.is_none_or(own) {
-            return Err(Refused(403, "not for pages of other sites"));
+            return Err(TurnedAway(403, "not for pages of other sites"));
         }
         if request.method != "GET" {
-            return Err(Refused(405, "GET only"));
+            return Err(TurnedAway(405, "GET only"));
         }
         let path = request.target.strip_prefix('/').unwrap_or_default();
         let (secret, rest) = path.split_once('/').unwrap_or_default();
@@ -72,26 +72,26 @@ impl Guard {
             return Err(NOT_FOUND);
         }
         let wanted = match rest {
-            "" => return Ok(Wanted::Page),
-            "board" => Wanted::Board,
-            "wire" => Wanted::Wire,
+            "" => return Ok(DoorWanted::Page),
+            "board" => DoorWanted::Board,
+            "wire" => DoorWanted::Wire,
             _ => return Err(NOT_FOUND),
         };
         // Everything but the page is asked for by the page. Old browsers do not say by whom.
         let site = request.header("sec-fetch-site");
         if site.is_some_and(|site| site != "same-origin") {
-            return Err(Refused(403, "not for pages of other sites"));
+            return Err(TurnedAway(403, "not for pages of other sites"));
         }
-        if wanted == Wanted::Wire {
+        if wanted == DoorWanted::Wire {
             self.upgrade(request, origin)?;
         }
         Ok(wanted)
     }
 
     /// A WebSocket, unlike a page, is opened by a script, which has an origin.
-    fn upgrade(&self, request: &Request, origin: Option<&str>) -> Result<(), Refused> {
+    fn upgrade(&self, request: &HttpRequest, origin: Option<&str>) -> Result<(), TurnedAway> {
         if origin.is_none() {
-            return Err(Refused(403, "not without an origin"));
+            return Err(TurnedAway(403, "not without an origin"));
         }
         let right = request.lists("upgrade", "websocket")
             && request.lists("connection", "upgrade")
@@ -100,7 +100,7 @@ impl Guard {
         if right {
             Ok(())
         } else {
-            Err(Refused(426, "a WebSocket of version 13 is needed here"))
+            Err(TurnedAway(426, "a WebSocket of version 13 is needed here"))
         }
     }
 }
@@ -111,18 +111,18 @@ mod tests {
 
     const UPGRADE: &str = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AQIDBAUGBwgJCgsMDQ4PEA==\r\n";
 
-    fn status(guard: &Guard, line: &str, headers: &str) -> u16 {
+    fn status(guard: &Doorkeeper, line: &str, headers: &str) -> u16 {
         let head = format!("{line} HTTP/1.1\r\n{headers}\r\n");
-        let request = Request::parse(head.as_bytes()).expect("a request");
+        let request = HttpRequest::parse(head.as_bytes()).expect("a request");
         guard
             .admit(&request)
-            .map_or_else(|Refused(status, _)| status, |_| 200)
+            .map_or_else(|TurnedAway(status, _)| status, |_| 200)
     }
 
     #[test]
     fn only_who_has_the_secret_and_is_of_this_origin_is_let_in() {
         let secret = Secret::new().expect("randomness");
-        let guard = Guard::new(secret.clone(), 4000);
+        let guard = Doorkeeper::new(secret.clone(), 4000);
         let text = secret.text();
         assert_eq!(guard.address(), format!("http://127.0.0.1:4000/{text}/"));
         let page = format!("GET /{text}/");
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn no_page_of_another_site_reads_or_moves_anything() {
         let secret = Secret::new().expect("randomness");
-        let guard = Guard::new(secret.clone(), 4000);
+        let guard = Doorkeeper::new(secret.clone(), 4000);
         let line = |what: &str| format!("GET /{}/{what}", secret.text());
         let ask = |what: &str, headers: &str| {
             status(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use shared::link::{Answer, Decoder, FromBoard, MAX_FRAME, Packet, encode};
+use shared::link::{Decoder, FromBoard, LinkAnswer, MAX_FRAME, Packet, encode};
 
 use super::mailbox::Mailbox;
 
@@ -64,7 +64,7 @@ impl Guest {
     }
 
     /// An answer to its request of this number.
-    pub fn answer(&mut self, request: u16, answer: Answer) {
+    pub fn answer(&mut self, request: u16, answer: LinkAnswer) {
         self.send(FromBoard::Answer { request, answer });
     }
 }

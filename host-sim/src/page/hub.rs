@@ -11,12 +11,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use shared::control::Command;
-use shared::link::{Answer, Decoder, FromBoard, Hello, Packet, ToBoard};
+use shared::link::{Decoder, FromBoard, Hello, LinkAnswer, Packet, ToBoard};
 
 use super::guest::Guest;
 use super::mailbox::{FromPage, Mailbox, Notice};
 use super::requests::{Asker, Requests};
-use super::rules::{self, Act};
+use super::rules::{self, PageAct};
 
 /// The page that commands must be heard this often; after that the drive is stopped.
 pub const SILENCE: Duration = Duration::from_secs(1);
@@ -225,19 +225,19 @@ impl Hub {
 
     fn words(&mut self, at: usize, words: &str, now: Instant) {
         let page = self.guests[at].page();
-        let Ok(act) = serde_json::from_str::<Act>(words) else {
+        let Ok(act) = serde_json::from_str::<PageAct>(words) else {
             return;
         };
         match (act, self.seat) {
-            (Act::Here, _) => {}
-            (Act::Leave, _) => self.leaves_seat(page, "it has left the command", now),
-            (Act::Take | Act::TakeOver, None) => self.sits(page, "took the command", now),
-            (Act::TakeOver, Some(seat)) if seat.page != page => {
+            (PageAct::Here, _) => {}
+            (PageAct::Leave, _) => self.leaves_seat(page, "it has left the command", now),
+            (PageAct::Take | PageAct::TakeOver, None) => self.sits(page, "took the command", now),
+            (PageAct::TakeOver, Some(seat)) if seat.page != page => {
                 let why = format!("took the command from page {}", seat.page);
                 self.sits(page, &why, now);
             }
             // The seat is taken, or is its own: it is told who has it.
-            (Act::Take | Act::TakeOver, Some(_)) => self.tell_seat(""),
+            (PageAct::Take | PageAct::TakeOver, Some(_)) => self.tell_seat(""),
         }
     }
 
@@ -293,18 +293,18 @@ impl Hub {
         let answer = match packet.message {
             ToBoard::Hello => {
                 (guest.telemetry, guest.frames) = (false, false);
-                Some(Answer::Hello(self.hello.clone()))
+                Some(LinkAnswer::Hello(self.hello.clone()))
             }
             ToBoard::StreamTelemetry { decimation } => {
                 guest.telemetry = decimation > 0;
-                Some(Answer::Done)
+                Some(LinkAnswer::Done)
             }
             ToBoard::StreamFrames { on } => {
                 guest.frames = on;
                 // The board's own answer says whether it can.
-                (recorded || !on).then_some(Answer::Done)
+                (recorded || !on).then_some(LinkAnswer::Done)
             }
-            ref other => rules::refusal(other, commands, nobody).map(Answer::Refused),
+            ref other => rules::refusal(other, commands, nobody).map(LinkAnswer::Refused),
         };
         match answer {
             Some(answer) => guest.answer(number, answer),
@@ -381,7 +381,7 @@ impl Hub {
         }
     }
 
-    fn answered(&mut self, request: u16, answer: Answer) {
+    fn answered(&mut self, request: u16, answer: LinkAnswer) {
         match self.requests.answered(request) {
             Some(Asker::Page(page, number)) => {
                 let guest = self.guests.iter_mut().find(|g| g.page() == page);

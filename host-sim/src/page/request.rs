@@ -26,7 +26,7 @@ pub enum Bad {
 
 /// What the server looks at.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Request {
+pub struct HttpRequest {
     /// `GET`.
     pub method: String,
     /// Path and query.
@@ -35,7 +35,7 @@ pub struct Request {
     headers: Vec<(String, String)>,
 }
 
-impl Request {
+impl HttpRequest {
     /// The value of a header; none if it is missing.
     pub fn header(&self, name: &str) -> Option<&str> {
         let found = self.headers.iter().find(|(known, _)| known == name);
@@ -83,7 +83,7 @@ impl Request {
 ///
 /// # Errors
 /// If none comes within `patience`, or it is too long or malformed.
-pub fn read(stream: &mut TcpStream, patience: Duration) -> Result<Request, Bad> {
+pub fn read(stream: &mut TcpStream, patience: Duration) -> Result<HttpRequest, Bad> {
     let until = Instant::now() + patience;
     let mut head = Vec::new();
     let mut bytes = [0; 1024];
@@ -105,7 +105,7 @@ pub fn read(stream: &mut TcpStream, patience: Duration) -> Result<Request, Bad> 
             return Err(Bad::TooLong);
         }
         if head[looked..].windows(4).any(|four| four == b"\r\n\r\n") {
-            return Request::parse(&head);
+            return HttpRequest::parse(&head);
         }
     }
 }
@@ -114,8 +114,8 @@ pub fn read(stream: &mut TcpStream, patience: Duration) -> Result<Request, Bad> 
 mod tests {
     use super::*;
 
-    fn parse(head: &str) -> Result<Request, Bad> {
-        Request::parse(head.as_bytes())
+    fn parse(head: &str) -> Result<HttpRequest, Bad> {
+        HttpRequest::parse(head.as_bytes())
     }
 
     #[test]

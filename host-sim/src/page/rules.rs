@@ -7,7 +7,7 @@ use shared::link::{Refusal, ToBoard};
 /// What a page says to the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(tag = "act", rename_all = "kebab-case")]
-pub enum Act {
+pub enum PageAct {
     /// It takes the free seat.
     Take,
     /// It takes the seat from the page that has it.

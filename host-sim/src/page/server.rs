@@ -11,11 +11,11 @@ use std::time::{Duration, Instant};
 use files::UserError;
 use tungstenite::handshake::derive_accept_key;
 
-use super::answer::Answer;
+use super::answer::HttpAnswer;
 use super::bridge::Door;
-use super::guard::{Guard, Refused, Wanted};
+use super::guard::{DoorWanted, Doorkeeper, TurnedAway};
 use super::policy::Policy;
-use super::request::{self, Bad, Request};
+use super::request::{self, Bad, HttpRequest};
 use super::secret::Secret;
 use super::socket;
 
@@ -35,12 +35,12 @@ pub struct Site {
     /// The page.
     pub page: Cow<'static, [u8]>,
     /// A board, if there is one.
-    pub board: Option<Board>,
+    pub board: Option<BoardConnection>,
 }
 
 /// A board and the way to it.
 #[derive(Clone, Debug)]
-pub struct Board {
+pub struct BoardConnection {
     /// Its port.
     pub name: String,
     /// Where pages come in.
@@ -49,10 +49,10 @@ pub struct Board {
 
 /// A server that runs until the program ends.
 #[derive(Debug)]
-pub struct Server {
+pub struct PageServer {
     site: Site,
     policy: Policy,
-    guard: Guard,
+    guard: Doorkeeper,
     connections: AtomicUsize,
 }
 
@@ -68,9 +68,9 @@ pub fn serve(site: Site, port: u16) -> Result<String, UserError> {
     };
     let listener = listen(Ipv4Addr::LOCALHOST.into(), port).map_err(failed)?;
     let port = listener.local_addr().map_err(failed)?.port();
-    let guard = Guard::new(Secret::new()?, port);
+    let guard = Doorkeeper::new(Secret::new()?, port);
     let address = guard.address();
-    let server = Arc::new(Server {
+    let server = Arc::new(PageServer {
         policy: Policy::of(&site.page),
         site,
         guard,
@@ -92,7 +92,7 @@ fn listen(address: IpAddr, port: u16) -> std::io::Result<TcpListener> {
     TcpListener::bind((address, port))
 }
 
-fn accept(server: &Arc<Server>, listener: &TcpListener) {
+fn accept(server: &Arc<PageServer>, listener: &TcpListener) {
     loop {
         let Ok((stream, _)) = listener.accept() else {
             // Out of descriptors for the moment.
@@ -114,7 +114,7 @@ fn accept(server: &Arc<Server>, listener: &TcpListener) {
 }
 
 /// Counts a connection until it is dropped.
-struct Present(Arc<Server>);
+struct Present(Arc<PageServer>);
 
 impl Drop for Present {
     fn drop(&mut self) {
@@ -122,15 +122,15 @@ impl Drop for Present {
     }
 }
 
-impl Server {
+impl PageServer {
     fn connection(&self, mut stream: TcpStream) {
         let request = match request::read(&mut stream, request::PATIENCE) {
             Ok(request) => request,
             Err(why) => {
                 let refused = match why {
-                    Bad::Late => Refused(408, "too late"),
-                    Bad::TooLong => Refused(431, "too long"),
-                    Bad::Malformed => Refused(400, "not a request"),
+                    Bad::Late => TurnedAway(408, "too late"),
+                    Bad::TooLong => TurnedAway(431, "too long"),
+                    Bad::Malformed => TurnedAway(400, "not a request"),
                 };
                 return Self::refuse(stream, refused);
             }
@@ -138,7 +138,7 @@ impl Server {
         // Checked by the guard before anything but a refusal is sent.
         let host = request.header("host").unwrap_or_default();
         match self.guard.admit(&request) {
-            Ok(Wanted::Page) => {
+            Ok(DoorWanted::Page) => {
                 self.send(
                     &mut stream,
                     host,
@@ -146,7 +146,7 @@ impl Server {
                     &self.site.page,
                 );
             }
-            Ok(Wanted::Board) => {
+            Ok(DoorWanted::Board) => {
                 let board = self.site.board.as_ref().map(|board| &board.name);
                 let version = env!("CARGO_PKG_VERSION");
                 let body = serde_json::json!({ "board": board, "version": version });
@@ -157,13 +157,13 @@ impl Server {
                     body.to_string().as_bytes(),
                 );
             }
-            Ok(Wanted::Wire) => self.wire(stream, &request),
+            Ok(DoorWanted::Wire) => self.wire(stream, &request),
             Err(refused) => Self::refuse(stream, refused),
         }
     }
 
     fn send(&self, stream: &mut TcpStream, host: &str, kind: &'static str, body: &[u8]) {
-        let answer = Answer {
+        let answer = HttpAnswer {
             status: 200,
             kind,
             body,
@@ -172,9 +172,9 @@ impl Server {
         let _ = answer.send(stream, &self.policy.header(host));
     }
 
-    fn refuse(mut stream: TcpStream, Refused(status, why): Refused) {
+    fn refuse(mut stream: TcpStream, TurnedAway(status, why): TurnedAway) {
         let body = format!("{why}\n");
-        let answer = Answer {
+        let answer = HttpAnswer {
             status,
             kind: "text/plain; charset=utf-8",
             body: body.as_bytes(),
@@ -186,12 +186,12 @@ impl Server {
     }
 
     /// A page at the board.
-    fn wire(&self, mut stream: TcpStream, request: &Request) {
+    fn wire(&self, mut stream: TcpStream, request: &HttpRequest) {
         let Some(board) = &self.site.board else {
-            return Self::refuse(stream, Refused(404, "there is no board here"));
+            return Self::refuse(stream, TurnedAway(404, "there is no board here"));
         };
         let Some(mailbox) = board.door.enter() else {
-            return Self::refuse(stream, Refused(503, "too many pages; close some"));
+            return Self::refuse(stream, TurnedAway(503, "too many pages; close some"));
         };
         let key = request.header("sec-websocket-key").unwrap_or_default();
         let accept = derive_accept_key(key.as_bytes());

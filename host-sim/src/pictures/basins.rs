@@ -2,7 +2,7 @@
 
 use crate::pictures::regimes::regime_color;
 use numerics::CartModel;
-use numerics::basins::{Basins, Fate, ImpactAfter, Kind};
+use numerics::basins::{AttractorKind, Basins, Fate, ImpactAfter};
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
 /// The chapter's colours.
@@ -39,12 +39,12 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
         }
         named += 1;
         let own = match attractor.name.kind {
-            Kind::Failed => Some(Color::PAPER),
-            Kind::NoImpact => Some(STILL),
-            Kind::Unsettled => Some(regime_color("unsettled")),
-            Kind::Aperiodic => Some(regime_color("aperiodic")),
-            Kind::Chatter { .. } => Some(regime_color("chatter")),
-            Kind::Periodic { impacts, periods } => {
+            AttractorKind::Failed => Some(Color::PAPER),
+            AttractorKind::NoImpact => Some(STILL),
+            AttractorKind::Unsettled => Some(regime_color("unsettled")),
+            AttractorKind::Aperiodic => Some(regime_color("aperiodic")),
+            AttractorKind::Chatter { .. } => Some(regime_color("chatter")),
+            AttractorKind::Periodic { impacts, periods } => {
                 let styled = matches!((impacts, periods), (1, 1) | (1, 2) | (2, 2));
                 styled.then(|| regime_color(&format!("{impacts}/{periods}")))
             }

@@ -1,14 +1,14 @@
 //! Pictures of bifurcation diagrams.
 
 use numerics::CartModel;
-use numerics::bifurcation::measured::Measured;
-use numerics::bifurcation::{Diagram, Kind, Point};
+use numerics::bifurcation::measured::MeasuredDiagram;
+use numerics::bifurcation::{BifurcationDiagram, ChangeKind, DiagramPoint};
 use numerics::sweep::Direction;
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// The quantity on the vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum VerticalQuantity {
     /// Displacement at drive phase 0, mm.
     Displacement,
     /// Largest contact force per drive period over m g.
@@ -37,13 +37,13 @@ impl Abscissa {
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// Vertical axis.
-    pub quantity: Quantity,
+    pub quantity: VerticalQuantity,
     /// Horizontal axis.
     pub abscissa: Abscissa,
     /// The part of the horizontal axis shown, in its unit; none: all.
     pub range: Option<(f64, f64)>,
     /// Measured points, drawn over the diagram.
-    pub measured: Option<&'a Measured>,
+    pub measured: Option<&'a MeasuredDiagram>,
     /// Whether lasting changes are named above the plot.
     pub marks: bool,
 }
@@ -52,7 +52,7 @@ pub struct View<'a> {
 const MOST_NAMES: usize = 8;
 
 /// Side of a dot, px: later diagrams in smaller dots, so that those below show; larger where frequencies are few.
-fn dot(diagram: &Diagram, k: usize, alone: bool) -> f64 {
+fn dot(diagram: &BifurcationDiagram, k: usize, alone: bool) -> f64 {
     let few = if diagram.stations.len() < 150 {
         2.6
     } else {
@@ -83,10 +83,10 @@ fn way(direction: Direction) -> &'static str {
 }
 
 /// One panel over `diagrams` of one gap, the first at the bottom. One alone is dark blue.
-pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
+pub fn panel(diagrams: &[&BifurcationDiagram], view: View) -> Panel {
     let label = match view.quantity {
-        Quantity::Displacement => "displacement, mm",
-        Quantity::Force => "force over weight, F/(m g)",
+        VerticalQuantity::Displacement => "displacement, mm",
+        VerticalQuantity::Force => "force over weight, F/(m g)",
     };
     let mut x = Axis::new(view.abscissa.label());
     if let Some((from, to)) = view.range {
@@ -94,13 +94,13 @@ pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
     }
     let mut y = Axis::new(label);
     // Where a motion has periods without contact, the axis leaves room below them.
-    let silent = |d: &&Diagram| {
+    let silent = |d: &&BifurcationDiagram| {
         d.stations
             .iter()
             .flat_map(|s| &s.points)
             .any(|p| p.force_n == 0.0)
     };
-    if view.quantity == Quantity::Force && !diagrams.iter().any(silent) {
+    if view.quantity == VerticalQuantity::Force && !diagrams.iter().any(silent) {
         y = y.with_zero();
     }
     let mut panel = Panel::new(x, y);
@@ -129,11 +129,11 @@ pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
 }
 
 /// The points of a diagram inside the shown range, so that the other axis fits them.
-fn points(diagram: &Diagram, view: View) -> Vec<(f64, f64)> {
+fn points(diagram: &BifurcationDiagram, view: View) -> Vec<(f64, f64)> {
     let weight = diagram.params.weight_n();
-    let y = |p: &Point| match view.quantity {
-        Quantity::Displacement => p.displacement_mm,
-        Quantity::Force => p.force_n / weight,
+    let y = |p: &DiagramPoint| match view.quantity {
+        VerticalQuantity::Displacement => p.displacement_mm,
+        VerticalQuantity::Force => p.force_n / weight,
     };
     let mut points = Vec::new();
     for station in &diagram.stations {
@@ -148,12 +148,12 @@ fn points(diagram: &Diagram, view: View) -> Vec<(f64, f64)> {
     points
 }
 
-fn measured_points(measured: &Measured, diagram: &Diagram, view: View) -> Item {
+fn measured_points(measured: &MeasuredDiagram, diagram: &BifurcationDiagram, view: View) -> Item {
     let natural = diagram.params.natural_frequency_hz();
     let weight = diagram.params.weight_n();
     let (from, scale) = match view.quantity {
-        Quantity::Displacement => (&measured.displacement_mm, 1.0),
-        Quantity::Force => (&measured.force_n, weight),
+        VerticalQuantity::Displacement => (&measured.displacement_mm, 1.0),
+        VerticalQuantity::Force => (&measured.force_n, weight),
     };
     let unit = match view.abscissa {
         Abscissa::Ratio => natural,
@@ -169,7 +169,7 @@ fn measured_points(measured: &Measured, diagram: &Diagram, view: View) -> Item {
 }
 
 /// Place and name of the lasting changes of the first diagram.
-fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
+fn marks(diagrams: &[&BifurcationDiagram], view: View) -> Vec<(f64, String)> {
     let Some(diagram) = diagrams.first() else {
         return Vec::new();
     };
@@ -180,7 +180,7 @@ fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
             Abscissa::Frequency => c.frequency_hz,
         };
         match c.kind {
-            Kind::Jump => (x, format!("{} jumps", c.below)),
+            ChangeKind::Jump => (x, format!("{} jumps", c.below)),
             _ => (x, format!("{} to {}", c.below, c.above)),
         }
     });
@@ -193,13 +193,17 @@ fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
 }
 
 /// Displacement over force for one gap, with all its directions.
-pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measured>) -> Figure {
+pub fn figure(
+    diagrams: &[&BifurcationDiagram],
+    abscissa: Abscissa,
+    measured: Option<&MeasuredDiagram>,
+) -> Figure {
     let view = |quantity| View {
         quantity,
         abscissa,
         range: None,
         measured,
-        marks: quantity == Quantity::Displacement,
+        marks: quantity == VerticalQuantity::Displacement,
     };
     let title = diagrams.first().map_or(String::new(), |d| {
         let rig = d.stations.first().map_or("", |s| s.row.rig.as_str());
@@ -219,6 +223,6 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
             ways.join(", ")
         ))
         .size(1200, 980)
-        .panel(panel(diagrams, view(Quantity::Displacement)).titled("Displacement"))
-        .panel(panel(diagrams, view(Quantity::Force)).titled("Contact force"))
+        .panel(panel(diagrams, view(VerticalQuantity::Displacement)).titled("Displacement"))
+        .panel(panel(diagrams, view(VerticalQuantity::Force)).titled("Contact force"))
 }

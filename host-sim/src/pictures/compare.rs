@@ -1,15 +1,15 @@
 //! Simulation (blue) and measurement (red) in the same panels, as the chapter draws them.
 
-use numerics::compare::{At, Comparison, Frame, Row};
+use numerics::compare::{ComparedSample, Comparison, MeasuredFrame, SimulatedInstant};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Drive periods shown.
 const PERIODS: f64 = 6.0;
 
 /// Time history, force, phase plane with section.
-pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
+pub fn figure(title: String, comparison: &Comparison, frame: MeasuredFrame) -> Figure {
     let errors = &comparison.errors;
-    let shown: Vec<&Row> = {
+    let shown: Vec<&ComparedSample> = {
         let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
         let end = begin + PERIODS / errors.frequency_hz;
         comparison
@@ -21,11 +21,11 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
     let mut figure = Figure::new(title).columns(2);
     let begin = shown.first().map_or(0.0, |r| r.time_s);
     let time = || Axis::new(format!("time from {begin:.4} s of the record, s"));
-    let at = |r: &Row| r.time_s - begin;
+    let at = |r: &ComparedSample| r.time_s - begin;
     if shown.iter().any(|r| r.measured_displacement_mm.is_some()) {
         let label = match frame {
-            Frame::Fixed => "displacement, mm",
-            Frame::Relative => "displacement relative to the cart, mm",
+            MeasuredFrame::Fixed => "displacement, mm",
+            MeasuredFrame::Relative => "displacement relative to the cart, mm",
         };
         let model = modelled(comparison, &shown, frame, |s, at| {
             (s - begin, at.displacement_mm)
@@ -57,7 +57,7 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
         );
         if let Some(near) = strongest(&comparison.rows) {
             let begin = near.first().map_or(0.0, |r| r.time_s);
-            let at = |r: &Row| (r.time_s - begin) * 1e3;
+            let at = |r: &ComparedSample| (r.time_s - begin) * 1e3;
             let model = modelled(comparison, &near, frame, |s, at| {
                 ((s - begin) * 1e3, at.force_n)
             });
@@ -106,12 +106,12 @@ fn subtitle(comparison: &Comparison) -> String {
 /// The simulation over the time of `rows`, at its own instants: `point` of each and of the record's time, s.
 fn modelled(
     comparison: &Comparison,
-    rows: &[&Row],
-    frame: Frame,
-    point: impl Fn(f64, &At) -> (f64, f64),
+    rows: &[&ComparedSample],
+    frame: MeasuredFrame,
+    point: impl Fn(f64, &SimulatedInstant) -> (f64, f64),
 ) -> Vec<(f64, f64)> {
     let shift_s = comparison.errors.shift_s;
-    let ends = |row: Option<&&Row>| row.map_or(0.0, |row| row.time_s + shift_s);
+    let ends = |row: Option<&&ComparedSample>| row.map_or(0.0, |row| row.time_s + shift_s);
     let between = (ends(rows.first()), ends(rows.last()));
     let motion = comparison.simulated.between(between, frame);
     motion
@@ -120,11 +120,19 @@ fn modelled(
         .collect()
 }
 
-fn measured(rows: &[&Row], f: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
+fn measured(
+    rows: &[&ComparedSample],
+    f: impl Fn(&ComparedSample) -> Option<(f64, f64)>,
+) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|r| f(r)).collect()
 }
 
-fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> Panel {
+fn plane(
+    comparison: &Comparison,
+    shown: &[&ComparedSample],
+    label: &str,
+    frame: MeasuredFrame,
+) -> Panel {
     let model = modelled(comparison, shown, frame, |_, at| {
         (at.displacement_mm, at.velocity_m_per_s)
     });
@@ -151,8 +159,8 @@ fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> 
 }
 
 /// The measured motion at each drive phase 0, interpolated between samples.
-pub fn section(rows: &[Row]) -> Vec<(f64, f64)> {
-    let crossing = |pair: &[Row]| {
+pub fn section(rows: &[ComparedSample]) -> Vec<(f64, f64)> {
+    let crossing = |pair: &[ComparedSample]| {
         let (a, b) = (&pair[0], &pair[1]);
         let step = (b.drive_phase - a.drive_phase).rem_euclid(1.0);
         if b.drive_phase >= a.drive_phase || step == 0.0 || step > 0.5 {
@@ -169,9 +177,9 @@ pub fn section(rows: &[Row]) -> Vec<(f64, f64)> {
 }
 
 /// The rows within 2 ms of the largest measured force.
-fn strongest(rows: &[Row]) -> Option<Vec<&Row>> {
-    let force = |r: &Row| r.measured_force_n.unwrap_or(f64::NEG_INFINITY);
+fn strongest(rows: &[ComparedSample]) -> Option<Vec<&ComparedSample>> {
+    let force = |r: &ComparedSample| r.measured_force_n.unwrap_or(f64::NEG_INFINITY);
     let top = rows.iter().max_by(|a, b| force(a).total_cmp(&force(b)))?;
-    let near = |r: &&Row| (r.time_s - top.time_s).abs() < 2e-3;
+    let near = |r: &&ComparedSample| (r.time_s - top.time_s).abs() < 2e-3;
     Some(rows.iter().filter(near).collect())
 }

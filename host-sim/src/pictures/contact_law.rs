@@ -4,7 +4,7 @@ use shared::model::contact::Law;
 use shared::model::rig::Rig;
 
 use files::UserError;
-use numerics::contact_law::{Row, free_mass, motion, one_contact, unclamped};
+use numerics::contact_law::{ContactFigures, free_mass, motion, one_contact, unclamped};
 use plot::{Axis, Color, Figure, Item, Panel, Stroke};
 
 /// Instants drawn per contact.
@@ -71,8 +71,8 @@ fn over_another(name: &str, i: usize, points: Vec<(f64, f64)>) -> Item {
 }
 
 /// Restitution and contact time over approach speed, a curve per law.
-pub fn over_speed(rows: &[Row]) -> [Panel; 2] {
-    let curve = |f: fn(&Row) -> f64, law: &[Row]| {
+pub fn over_speed(rows: &[ContactFigures]) -> [Panel; 2] {
+    let curve = |f: fn(&ContactFigures) -> f64, law: &[ContactFigures]| {
         law.iter()
             .map(|r| (r.approach_speed_m_per_s, f(r)))
             .collect::<Vec<_>>()

@@ -3,7 +3,7 @@
 use shared::control::State;
 
 use emulator::names::state_name;
-use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::summary::cut_away_from_contacts;
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
@@ -24,7 +24,7 @@ const MOST_FAULTS: usize = 200;
 /// Most marks with a name; more names would overlap.
 const NAMED_MARKS: usize = 8;
 
-/// The curves of a run: an [`Observer`] that keeps a few thousand points.
+/// The curves of a run: an [`RunObserver`] that keeps a few thousand points.
 #[derive(Clone, Debug)]
 pub struct Trace {
     /// EventKind the controller did, and since when, s.
@@ -112,7 +112,7 @@ impl Trace {
     }
 }
 
-impl Observer for Trace {
+impl RunObserver for Trace {
     fn tick(&mut self, row: &TickRow) {
         self.time_s = row.time_s;
         self.on = row.output.enable;
@@ -152,16 +152,16 @@ impl Observer for Trace {
             .push(point(millimetres(status.measured_amplitude_m)));
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         // Between ticks the force is larger than at them.
         self.peak_n = self.peak_n.max(contact.peak_force_n);
         self.period = cut_away_from_contacts(self.period);
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         let (text, fault) = match &event.what {
-            EventKind::Scenario { text } => (text.clone(), false),
-            EventKind::Fault { fault, .. } => (fault.name().to_owned(), true),
+            RunEventKind::Scenario { text } => (text.clone(), false),
+            RunEventKind::Fault { fault, .. } => (fault.name().to_owned(), true),
             _ => return,
         };
         self.marks.push((event.time_s, text, fault));
@@ -342,9 +342,9 @@ mod tests {
                 faulty: false,
             });
             if on && k.is_multiple_of(10) {
-                trace.contact(&Contact {
+                trace.contact(&TrueContact {
                     peak_force_n: 96.0,
-                    ..Contact::default()
+                    ..TrueContact::default()
                 });
             }
             trace.block(&BlockRow {
@@ -360,10 +360,10 @@ mod tests {
                 status: &status(if on { State::Hold } else { State::Idle }),
             });
         }
-        trace.event(&Event {
+        trace.event(&RunEvent {
             tick: 0,
             time_s: f64::from(seconds),
-            what: EventKind::Fault {
+            what: RunEventKind::Fault {
                 fault: shared::fault::Fault::OverForce,
                 origin: shared::fault::Origin::Force,
                 value: 1.0,

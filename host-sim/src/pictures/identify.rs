@@ -1,7 +1,7 @@
 //! Figures 3.9 and 3.10, and what they are derived from: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
-use numerics::identify::{Fit, Measured, beside};
+use numerics::identify::{IdentifiedFit, MeasuredImpacts, beside};
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::contact::LawKind;
 
@@ -12,7 +12,12 @@ const DRAWN: usize = 2;
 const LEVEL: f64 = 3.841;
 
 /// Measured against model of `fits` (the first is drawn in full, of the others the peaks).
-pub fn figure(title: String, subtitle: String, measured: &Measured, fits: &[Fit]) -> Figure {
+pub fn figure(
+    title: String,
+    subtitle: String,
+    measured: &MeasuredImpacts,
+    fits: &[IdentifiedFit],
+) -> Figure {
     let mut figure = Figure::new(title).subtitle(subtitle).columns(2);
     let Some(first) = fits.first() else {
         return figure;
@@ -31,7 +36,7 @@ pub fn figure(title: String, subtitle: String, measured: &Measured, fits: &[Fit]
 }
 
 /// The force of the first impacts.
-pub fn forces(measured: &Measured, fit: &Fit) -> Vec<Panel> {
+pub fn forces(measured: &MeasuredImpacts, fit: &IdentifiedFit) -> Vec<Panel> {
     let all = beside(measured, fit);
     let panel = |(i, samples): (usize, &Vec<[f64; 3]>)| {
         let column = |k: usize| samples.iter().map(|s| (s[0] * 1e3, s[k])).collect();
@@ -51,7 +56,7 @@ pub fn forces(measured: &Measured, fit: &Fit) -> Vec<Panel> {
 }
 
 /// Peaks over impact number.
-pub fn peaks(fits: &[Fit]) -> Panel {
+pub fn peaks(fits: &[IdentifiedFit]) -> Panel {
     let mut panel = Panel::new(
         Axis::new("impact").whole(),
         Axis::new("force peak, N").with_zero(),
@@ -88,7 +93,7 @@ pub fn peaks(fits: &[Fit]) -> Panel {
 }
 
 /// The rise of χ² over one parameter, all others at their best.
-fn profile(fit: &Fit, i: usize) -> Option<Panel> {
+fn profile(fit: &IdentifiedFit, i: usize) -> Option<Panel> {
     let profile = fit.profiles.get(i)?;
     if profile.points.len() < 3 {
         return None;

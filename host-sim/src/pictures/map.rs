@@ -10,7 +10,7 @@ use numerics::row::Outcome;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
 /// A point drawn over a map: gap (mm), drive frequency (Hz), and the regime seen there.
-pub type Seen = (f64, f64, Regime);
+pub type MeasuredPoint = (f64, f64, Regime);
 
 /// Every regime in its colour (figures 3.24, 3.46a, 3.48a, 3.50a).
 pub fn regimes(map: &Map) -> Figure {
@@ -52,10 +52,10 @@ pub fn by_force(map: &Map) -> Figure {
 }
 
 /// The regimes with points of another source over them (figure 3.25), each ringed in black and in its own colour.
-pub fn with_points(map: &Map, points: &[Seen]) -> Figure {
+pub fn with_points(map: &Map, points: &[MeasuredPoint]) -> Figure {
     let natural_hz = map.rig.params.natural_frequency_hz();
     let amplitude_mm = map.rig.params.amplitude_m * 1e3;
-    let at = |p: &Seen| (p.1 / natural_hz, p.0 / amplitude_mm);
+    let at = |p: &MeasuredPoint| (p.1 / natural_hz, p.0 / amplitude_mm);
     let dots = |label: &str, color: Color, radius: f64, points: Vec<(f64, f64)>| Item::Points {
         points,
         color,

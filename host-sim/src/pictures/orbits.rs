@@ -9,10 +9,10 @@ use shared::model::rig::Rig;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
 use numerics::CartModel;
-use numerics::continuation::curves::Line;
+use numerics::continuation::curves::SpecialLine;
 use numerics::continuation::family::Node;
 use numerics::continuation::table::{motion_at, names, stretches};
-use numerics::continuation::{Along, Diagram, Family, Special};
+use numerics::continuation::{Along, Family, OrbitDiagram, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use numerics::orbit::Stability;
@@ -20,7 +20,7 @@ use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Simulated {
+pub struct SimulatedPoints {
     /// Displacement at drive phase 0, mm.
     pub displacement_mm: Vec<(f64, f64)>,
     /// Largest contact force of a drive period over m g.
@@ -39,7 +39,7 @@ const PLAN: CellPlan = CellPlan {
 ///
 /// # Errors
 /// If a simulation leaves the range that the model describes.
-pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError> {
+pub fn simulated(diagram: &OrbitDiagram, count: usize) -> Result<SimulatedPoints, UserError> {
     let request = &diagram.request;
     let family = Family::new(&diagram.params, request.along, 1)?;
     let (low, high) = request.limits;
@@ -61,7 +61,7 @@ pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError
         }
     }
     let outcomes = lanes::run_each(&cells, &PLAN);
-    let mut found = Simulated::default();
+    let mut found = SimulatedPoints::default();
     for ((parameter, cell), outcome) in parameters.iter().zip(&cells).zip(outcomes) {
         // One that cannot be followed is not drawn.
         let Some(outcome) = lanes::or_failed(outcome)? else {
@@ -102,7 +102,7 @@ const BRANCHES: [Color; 4] = [
 ];
 
 /// Displacement and force of every curve over the parameter, over the points of simulations.
-pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
+pub fn figure(rig: &str, diagram: &OrbitDiagram, behind: &SimulatedPoints) -> Figure {
     let (x, place) = match diagram.request.along {
         Along::Frequency => (
             "frequency ratio Ω/ω",
@@ -155,7 +155,11 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
 }
 
 /// Adds the curves of `diagram` with their special points, as `value` of an orbit and a strobe.
-pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -> Option<f64>) {
+pub fn draw(
+    diagram: &OrbitDiagram,
+    panel: &mut Panel,
+    value: &dyn Fn(&Node, usize) -> Option<f64>,
+) {
     let mut named: BTreeSet<String> = BTreeSet::new();
     let mut once = |name: String| {
         if named.insert(name.clone()) {
@@ -195,7 +199,7 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
         }
     }
     for kind in Special::ALL.into_iter().rev() {
-        let of = |curve: &numerics::continuation::Curve| {
+        let of = |curve: &numerics::continuation::OrbitCurve| {
             let points = curve.specials().filter(|(_, k)| *k == kind);
             let points = points.flat_map(|(node, _)| {
                 let all = 0..node.orbit.strobes.len();
@@ -229,11 +233,12 @@ fn stroke(special: Special) -> (Stroke, Color) {
 }
 
 /// The lines of special points as items over gap (mm, across) and frequency (Hz, upwards): to be laid over a map.
-pub fn line_items(lines: &[Line]) -> Vec<Item> {
+pub fn line_items(lines: &[SpecialLine]) -> Vec<Item> {
     let mut named: Vec<Special> = Vec::new();
     let mut items = Vec::new();
     // The legend shows a kind by one of its lines, if it has any, rather than by a line of a single point.
-    let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
+    let (long, points): (Vec<&SpecialLine>, Vec<&SpecialLine>) =
+        lines.iter().partition(|l| l.nodes.len() > 1);
     for line in long.into_iter().chain(points) {
         let (mark, ..) = mark(line.special);
         let (stroke, color) = stroke(line.special);
@@ -277,7 +282,7 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
 }
 
 /// The lines on their own.
-pub fn lines_figure(rig: &str, params: &RigParams, lines: &[Line]) -> Figure {
+pub fn lines_figure(rig: &str, params: &RigParams, lines: &[SpecialLine]) -> Figure {
     let mut panel = Panel::new(Axis::new("gap, mm"), Axis::new("drive frequency, Hz"));
     panel.items.extend(line_items(lines));
     Figure::new(format!(

@@ -4,7 +4,7 @@ use crate::words::over::{OverRow, of_rig, summary};
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// What is drawn.
-pub struct Over<'a> {
+pub struct OverPicture<'a> {
     /// The rows, in the order of their values.
     pub rows: &'a [OverRow],
     /// The parameter's value in the rig itself, if it has one.
@@ -13,7 +13,7 @@ pub struct Over<'a> {
     pub log: bool,
 }
 
-impl Over<'_> {
+impl OverPicture<'_> {
     /// Four panels over the parameter.
     pub fn figure(&self) -> Figure {
         let first = self.rows.first();

@@ -5,7 +5,7 @@ use files::words::digits::Digits;
 use files::words::pick::{at_stroke, other_cart, why};
 use numerics::CartModel;
 use numerics::pick::Pick;
-use numerics::row::{Outcome, Row};
+use numerics::row::{Outcome, RunRow};
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
@@ -145,7 +145,7 @@ fn legend(outcome: Outcome) -> String {
 }
 
 /// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
-pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f64, f64)>)> {
+pub fn by_regime<'a>(rows: impl Iterator<Item = &'a RunRow>) -> Vec<(String, Vec<(f64, f64)>)> {
     let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in rows.filter(|row| !row.failed) {
         let point = (row.frequency_hz, row.force_ratio);

@@ -3,8 +3,8 @@
 use crate::pictures::regimes::regime_color;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::engine::Sample;
-use numerics::poincare::against::Against;
+use numerics::engine::RecordedSample;
+use numerics::poincare::against::SectionComparison;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, TRAJECTORY_PERIODS};
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -52,8 +52,8 @@ fn by_contacts(points: &[SectionPoint], repeats: Option<u8>, dot: f64) -> Vec<It
     items
 }
 
-fn line(trajectory: &[Sample]) -> Vec<(f64, f64)> {
-    let sample = |s: &Sample| (s.relative_displacement_mm, s.relative_velocity_m_per_s);
+fn line(trajectory: &[RecordedSample]) -> Vec<(f64, f64)> {
+    let sample = |s: &RecordedSample| (s.relative_displacement_mm, s.relative_velocity_m_per_s);
     trajectory.iter().map(sample).collect()
 }
 
@@ -103,7 +103,8 @@ pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> 
 pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let shown = &portrait.trajectory;
     let from = shown.first().map_or(0.0, |s| s.time_s);
-    let history = |f: fn(&Sample) -> f64| shown.iter().map(|s| (s.time_s - from, f(s))).collect();
+    let history =
+        |f: fn(&RecordedSample) -> f64| shown.iter().map(|s| (s.time_s - from, f(s))).collect();
     let gap = request.params.gap_m * 1e3;
     let mut plane = Panel::new(Axis::new(DISPLACEMENT), Axis::new(VELOCITY))
         .titled("b) Phase plane and section at drive phase 0")
@@ -138,7 +139,11 @@ pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) ->
 }
 
 /// Figure 3.4: the smoothed sections by falling width, and the switch's last, on the same axes.
-pub fn against_figure(rig: &NamedRig, request: &SectionRequest, found: &Against) -> Figure {
+pub fn against_figure(
+    rig: &NamedRig,
+    request: &SectionRequest,
+    found: &SectionComparison,
+) -> Figure {
     let exact: Vec<_> = found.exact.sections[0].iter().map(at).collect();
     let all = || found.smoothed.iter().flat_map(|s| &s.points).chain(&exact);
     let span = |value: fn(&(f64, f64)) -> f64| {

@@ -1,11 +1,11 @@
 //! The picture of many trials: how soon they hold, and how hard they strike from then on.
 
-use emulator::trials::Outcome;
+use emulator::trials::TrialOutcome;
 use files::words::count;
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Share of the trials that hold by a time, and share of them that keep at least a share of the optimum's force.
-pub fn figure(rigs: &[&str], outcomes: &[Outcome], seconds: f64) -> Figure {
+pub fn figure(rigs: &[&str], outcomes: &[TrialOutcome], seconds: f64) -> Figure {
     let held = outcomes.iter().filter(|o| o.held).count();
     let mut time = Panel::new(
         Axis::new("Hold after the start, s").with_zero(),
@@ -19,7 +19,7 @@ pub fn figure(rigs: &[&str], outcomes: &[Outcome], seconds: f64) -> Figure {
     )
     .titled("how hard it strikes from Hold on");
     for (k, rig) in rigs.iter().copied().enumerate() {
-        let these: Vec<&Outcome> = outcomes
+        let these: Vec<&TrialOutcome> = outcomes
             .iter()
             .filter(|o| o.trial.rig.name == rig)
             .collect();

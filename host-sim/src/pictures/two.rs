@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::regimes::regime_color;
-use numerics::continuation::two::table::Answer;
+use numerics::continuation::two::table::CurvesAnswer;
 use numerics::continuation::two::{Codimension, Condition, Plane, Scale};
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// The second parameter across, the first upwards.
-pub fn figure(rig: &str, plane: &Plane, answer: &Answer) -> Figure {
+pub fn figure(rig: &str, plane: &Plane, answer: &CurvesAnswer) -> Figure {
     let axis = |k: usize| {
         let dimension = plane.dimensions[k];
         let axis = Axis::new(dimension.varied.name());

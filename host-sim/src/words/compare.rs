@@ -1,20 +1,20 @@
 //! Sentences about a record beside its simulation.
 
-use numerics::compare::{Errors, Note};
+use numerics::compare::{ComparisonErrors, Note};
 use serde::Serialize;
 
 /// The figures of a comparison with its notes in words, as JSON has them.
 #[derive(Serialize)]
-pub struct Worded<'a> {
+pub struct WordedComparison<'a> {
     /// The figures.
     #[serde(flatten)]
-    pub errors: &'a Errors,
+    pub errors: &'a ComparisonErrors,
     /// What to keep in mind.
     pub notes: Vec<String>,
 }
 
-impl<'a> From<&'a Errors> for Worded<'a> {
-    fn from(errors: &'a Errors) -> Self {
+impl<'a> From<&'a ComparisonErrors> for WordedComparison<'a> {
+    fn from(errors: &'a ComparisonErrors) -> Self {
         Self {
             errors,
             notes: errors.notes.iter().map(note).collect(),

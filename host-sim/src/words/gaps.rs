@@ -210,7 +210,7 @@ fn basin(best: &GapRow, others: &[&GapRow]) -> String {
 mod tests {
     use super::*;
     use numerics::Error;
-    use numerics::basins::Share;
+    use numerics::basins::SampledShare;
     use numerics::pick::gaps::GapPick;
     use shared::model::regime::Regime;
 
@@ -225,7 +225,7 @@ mod tests {
             jump_free: !jumps,
             jump_range_hz: None,
             from_rest: Regime::None,
-            basin: Some(Share::wilson(basin, 10)),
+            basin: Some(SampledShare::wilson(basin, 10)),
             silent: None,
         };
         let at = AtGap {

@@ -5,7 +5,7 @@ use files::words::digits::{decimals, significant};
 use numerics::CartModel;
 use numerics::Error;
 use numerics::NamedRig;
-use numerics::pick::Answer;
+use numerics::pick::PickAnswer;
 use numerics::row::tidy;
 use serde::{Deserialize, Serialize};
 
@@ -67,10 +67,10 @@ impl OverRow {
     pub fn new(
         (parameter, value): (&str, f64),
         (name, rig): (&str, &NamedRig),
-        found: Result<&Answer, &Error>,
+        found: Result<&PickAnswer, &Error>,
     ) -> Self {
         let a = found.ok();
-        let deciding = |a: &Answer| {
+        let deciding = |a: &PickAnswer| {
             let names = a.limits.iter().filter(|l| l.binds).map(|l| l.name);
             names.collect::<Vec<_>>().join(" and ")
         };
@@ -245,7 +245,7 @@ fn common_band(rows: &[OverRow]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use numerics::Limits;
+    use numerics::PickLimits;
     use numerics::pick::pick;
     use shared::model::params::{RigParams, WIRES};
 
@@ -256,7 +256,7 @@ mod tests {
             ..WIRES
         };
         let rig = NamedRig::new("wires", params);
-        let found = pick(&rig, None, Limits::default(), &());
+        let found = pick(&rig, None, PickLimits::default(), &());
         let found = found.as_ref().map(|pick| &pick.answer);
         OverRow::new(("amplitude_mm", value), ("wires", &rig), found)
     }

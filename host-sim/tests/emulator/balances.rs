@@ -1,8 +1,8 @@
 //! Momentum and energy of both bodies: what goes in comes out.
 
-use emulator::bodies::State;
+use emulator::bodies::BodiesState;
 use emulator::plant::Plant;
-use emulator::shaker::{Path, ShakerParams};
+use emulator::shaker::{SetPointPath, ShakerParams};
 use shared::model::contact::{LAWS, Law, TABLE_3_1};
 use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams, Torque, WIRES};
 
@@ -36,16 +36,16 @@ fn one_blow_between_free_bodies_moves_the_momentum_it_says() {
         let params = free(law);
         let mut plant = Plant::new(&params, &no_shaker(), TICK_S).unwrap();
         let speed = 0.08;
-        plant.set_state(State {
+        plant.set_state(BodiesState {
             q: -0.37 * TICK_S * speed,
             v: speed,
-            ..State::default()
+            ..BodiesState::default()
         });
         let (m, cart) = (params.mass_kg, params.cart_mass_kg);
         let before = (m * speed, 0.0);
         let mut blows = Vec::new();
         for _ in 0..40 {
-            plant.tick(Path::default(), false);
+            plant.tick(SetPointPath::default(), false);
             blows.extend_from_slice(plant.finished());
         }
         let [blow] = blows[..] else {
@@ -72,13 +72,13 @@ fn one_blow_between_free_bodies_moves_the_momentum_it_says() {
 fn two_free_bodies_meet_as_their_reduced_mass_does_a_wall() {
     let params = free(TABLE_3_1);
     let mut plant = Plant::new(&params, &no_shaker(), TICK_S).unwrap();
-    plant.set_state(State {
+    plant.set_state(BodiesState {
         q: -1e-6,
         v: 0.08,
-        ..State::default()
+        ..BodiesState::default()
     });
     while plant.finished().is_empty() {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
     }
     let blow = plant.finished()[0];
     let reduced = params.mass_kg * params.cart_mass_kg / (params.mass_kg + params.cart_mass_kg);

@@ -4,11 +4,11 @@
 use emulator::local::Local;
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, Scenario, load};
-use emulator::summary::Summary;
+use emulator::summary::RunSummary;
 use emulator::verdict::{Best, Verdict, judge, judge_by};
 
 /// A run, unwatched.
-pub fn ran(scenario: &Scenario) -> Summary {
+pub fn ran(scenario: &Scenario) -> RunSummary {
     let mut control = Local::new(&scenario.settings).unwrap();
     run(scenario, &mut control, &mut ()).unwrap()
 }

@@ -1,7 +1,7 @@
 //! Ground that gives way: the plant against the integrator of `drill`, which locates every switch by another method and has
 //! the ground's own motion in closed form.
 
-use emulator::ground::Ground;
+use emulator::ground::PlantGround;
 use emulator::plant::Plant;
 use emulator::shaker::ShakerParams;
 use numerics::drill::{Drill, Feed};
@@ -43,7 +43,7 @@ fn slider(threshold: f64) -> Slider<f64> {
 /// Both from rest with no feed: the same contacts and the same progress.
 fn assert_alike(plant: Plant, params: &RigParams, hz: f64, threshold: f64) {
     let slider = slider(threshold);
-    let ground = Ground {
+    let ground = PlantGround {
         slider,
         // No feed.
         feed_s: 1e15,

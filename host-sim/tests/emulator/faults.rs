@@ -1,7 +1,7 @@
 //! Every fault tripped by injection, the drive off within its stated ticks; and a twin just below the threshold
 //! in which nothing trips.
 
-use emulator::scenario::{Act, Scenario, Timed, load};
+use emulator::scenario::{Scenario, ScenarioAct, Timed, load};
 use shared::control::State;
 use shared::fault::Fault;
 
@@ -48,13 +48,13 @@ fn does_not_trip(name: &str, below: impl Fn(&mut Scenario)) {
 }
 
 /// Changes the events of a scenario one by one; those for which `change` is false are left out.
-fn each(change: impl Fn(&mut Act) -> bool) -> impl Fn(&mut Scenario) {
+fn each(change: impl Fn(&mut ScenarioAct) -> bool) -> impl Fn(&mut Scenario) {
     move |scenario| scenario.events.retain_mut(|timed| change(&mut timed.act))
 }
 
 fn for_ticks(ticks: f64) -> impl Fn(&mut Scenario) {
     each(move |act| {
-        if let Act::SensorFault(how) = act {
+        if let ScenarioAct::SensorFault(how) = act {
             how.for_s = Some(ticks / TICKS_PER_S);
         }
         true
@@ -66,7 +66,7 @@ fn opens_again(at_s: &[f64]) -> Scenario {
     let mut scenario = load("emergency-stop").unwrap();
     let again = at_s.iter().map(|at_s| Timed {
         at_s: *at_s,
-        act: Act::EmergencyStop { for_s: Some(3e-4) },
+        act: ScenarioAct::EmergencyStop { for_s: Some(3e-4) },
     });
     scenario.events.extend(again);
     scenario.events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
@@ -81,7 +81,7 @@ fn emergency_stop() {
     trips("emergency-stop", Some(3 + 1 + BLOCKS));
     let open_for = |ms: f64| {
         each(move |act| {
-            if let Act::EmergencyStop { for_s } = act {
+            if let ScenarioAct::EmergencyStop { for_s } = act {
                 *for_s = Some(1e-3 * ms);
             }
             true
@@ -123,7 +123,7 @@ fn over_force() {
     does_not_trip(
         "over-force",
         each(|act| {
-            if let Act::Push { speed_m_per_s } = act {
+            if let ScenarioAct::Push { speed_m_per_s } = act {
                 *speed_m_per_s = 0.245;
             }
             true
@@ -138,7 +138,7 @@ fn over_travel() {
     does_not_trip(
         "over-travel",
         each(|act| {
-            if let Act::Push { speed_m_per_s } = act {
+            if let ScenarioAct::Push { speed_m_per_s } = act {
                 *speed_m_per_s = -0.1;
             }
             true
@@ -173,7 +173,7 @@ fn sensor_out_of_family() {
     does_not_trip(
         "sensor-out-of-family",
         each(|act| {
-            if let Act::SensorFault(how) = act {
+            if let ScenarioAct::SensorFault(how) = act {
                 how.times = Some(0.8);
             }
             true
@@ -187,7 +187,7 @@ fn back_after(seconds: f64) -> impl Fn(&mut Scenario) {
         let mut back = vec![];
         for timed in &scenario.events {
             let mut back_again = timed.clone();
-            if let Act::Drift {
+            if let ScenarioAct::Drift {
                 over_s,
                 gap_offset_mm,
                 ..
@@ -219,7 +219,7 @@ fn regime_lost() {
 
 fn two_blocks(scenario: &mut Scenario) {
     each(|act| {
-        if let Act::Overrun { blocks, .. } | Act::LostBlock { blocks, .. } = act {
+        if let ScenarioAct::Overrun { blocks, .. } | ScenarioAct::LostBlock { blocks, .. } = act {
             *blocks = 2;
         }
         true
@@ -246,7 +246,7 @@ fn link_timeout() {
     does_not_trip("link-timeout", |scenario| {
         scenario.events.push(Timed {
             at_s: 16.4,
-            act: Act::Link {},
+            act: ScenarioAct::Link {},
         });
     });
 }
@@ -260,7 +260,7 @@ fn born_faulty(name: &str) {
     scenario.expect.faults.clear();
     scenario.expect.final_state = Some(State::Idle);
     scenario.events.retain_mut(|timed| {
-        if let Act::Reset { cause } = &mut timed.act {
+        if let ScenarioAct::Reset { cause } = &mut timed.act {
             *cause = Reset::PowerOn;
         }
         // And no start after it.
@@ -316,7 +316,7 @@ fn not_off() {
     let mut obeys = load("not-off").unwrap();
     obeys
         .events
-        .retain(|timed| !matches!(timed.act, Act::StuckDrive { .. }));
+        .retain(|timed| !matches!(timed.act, ScenarioAct::StuckDrive { .. }));
     obeys.expect.faults = vec![Fault::EmergencyStop];
     let verdict = crate::builtin::verdict(&obeys);
     assert_eq!(verdict.verdict, "pass", "{:?}", verdict.why);

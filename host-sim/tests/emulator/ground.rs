@@ -1,8 +1,8 @@
 //! Ground that changes and a drive that does not obey: what events do to the world, against what they say.
 
 use emulator::plant::Plant;
-use emulator::scenario::{Act, Change, Scenario, parse};
-use emulator::shaker::Path;
+use emulator::scenario::{RigChange, Scenario, ScenarioAct, parse};
+use emulator::shaker::SetPointPath;
 use emulator::world::World;
 use shared::io::{DacCode, Output};
 use shared::model::contact::LAWS;
@@ -92,9 +92,9 @@ fn a_surface_comes_to_rebound_as_it_is_told_to() {
             contact: law,
             ..free_hammer()
         };
-        let change = Change {
+        let change = RigChange {
             restitution: Some(0.6),
-            ..Change::default()
+            ..RigChange::default()
         };
         let fits = change.fits(&rig).is_ok();
         // Hertz's law loses nothing, and Hunt and Crossley's restitution depends on the speed.
@@ -105,13 +105,13 @@ fn a_surface_comes_to_rebound_as_it_is_told_to() {
         let rebound = |share: f64| {
             let rig = change.apply(&rig, share);
             let mut plant = Plant::prescribed(&rig, TICK_S).unwrap();
-            plant.set_state(emulator::bodies::State {
+            plant.set_state(emulator::bodies::BodiesState {
                 q: -1e-6,
                 v: 0.08,
                 ..Default::default()
             });
             while plant.finished().is_empty() {
-                plant.tick(Path::default(), false);
+                plant.tick(SetPointPath::default(), false);
             }
             let blow = plant.finished()[0];
             blow.rebound_speed_m_per_s / blow.approach_speed_m_per_s
@@ -172,7 +172,7 @@ fn scenarios_write_carts_motors_and_ground() {
     assert_eq!(whole.shaker.armature.unwrap().hz, 30.0);
     assert_eq!(whole.mounting.friction.unwrap().static_n, 3.0);
     assert_eq!(whole.mounting.stops.unwrap().at_m, 1.5e-3);
-    assert!(matches!(whole.events[1].act, Act::Recede { .. }));
+    assert!(matches!(whole.events[1].act, ScenarioAct::Recede { .. }));
     let motor = scenario("[motor]\nslip_hz_per_n_m = 0.2\n");
     assert_eq!(motor.motor.unwrap().crank_m, WIRES.amplitude_m);
     let complaint = |more: &str| {

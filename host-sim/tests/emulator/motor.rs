@@ -1,11 +1,11 @@
 //! The motor drive: in the limit of a heavy flywheel the cart's motion is prescribed; it slips by its load; energy
 //! balances.
 
-use emulator::bodies::State;
+use emulator::bodies::BodiesState;
 use emulator::cart::{Friction, Mounting};
 use emulator::motor::MotorParams;
-use emulator::plant::{Drive, Plant};
-use emulator::shaker::Path;
+use emulator::plant::{Plant, ShakerDrive};
+use emulator::shaker::SetPointPath;
 use shared::model::params::{BEAM_150, RigParams, WIRES};
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::mounting::{free_hammer, missing_j};
 use crate::support::{TICK_S, on_the_sine, rest, sine};
 
 fn plant(params: &RigParams, motor: &MotorParams, mounting: &Mounting) -> Plant {
-    Plant::mounted(params, &Drive::Motor(*motor), mounting, TICK_S).unwrap()
+    Plant::mounted(params, &ShakerDrive::Motor(*motor), mounting, TICK_S).unwrap()
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn a_heavy_flywheel_prescribes_the_motion() {
         let mut turned = plant(&params, &motor, &Mounting::default());
         turned.set_motor_hz(hz);
         let start = on_the_sine(&params, hz, rest(&params), 0.0);
-        turned.set_state(State {
+        turned.set_state(BodiesState {
             u: TAU * hz,
             ..start
         });
@@ -35,7 +35,7 @@ fn a_heavy_flywheel_prescribes_the_motion() {
         led.set_state(start);
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for k in 0..(10.0 / hz / TICK_S) as u64 {
-            turned.tick(Path::default(), true);
+            turned.tick(SetPointPath::default(), true);
             led.tick(sine(&params, hz, TICK_S, k), true);
             a.extend_from_slice(turned.finished());
             b.extend_from_slice(led.finished());
@@ -75,21 +75,21 @@ fn it_slips_by_its_load() {
     let mut plant = plant(&params, &motor, &mounting);
     plant.set_motor_hz(4.0);
     let speed = 0.01 * TAU * 4.0;
-    plant.set_state(State {
+    plant.set_state(BodiesState {
         q: -0.2,
         v: -speed,
         w: speed,
         u: TAU * 4.0,
-        ..State::default()
+        ..BodiesState::default()
     });
     let before = plant.bodies().energy_j(plant.state());
     for _ in 0..300_000 {
-        plant.tick(Path::default(), true);
+        plant.tick(SetPointPath::default(), true);
     }
     // Ten turns and more: a hundred seconds would not change the fourth digit.
     let from = plant.state().z;
     for _ in 0..100_000 {
-        plant.tick(Path::default(), true);
+        plant.tick(SetPointPath::default(), true);
     }
     let hz = (plant.state().z - from) / TAU / 5.0;
     // Mean torque b r² Ω/2, and what it costs in speed.
@@ -100,7 +100,7 @@ fn it_slips_by_its_load() {
     assert!(off < 1e-9, "{off:.1e}");
     // Without power it runs down.
     for _ in 0..100_000 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
     }
     assert!(plant.state().u.abs() < 2e-3, "{}", plant.state().u);
 }
@@ -118,7 +118,7 @@ fn energy_balances_while_it_hammers_on_a_rod_and_the_cart_keeps_to_its_crank() {
         let before = plant.bodies().energy_j(plant.state());
         let (mut blows, mut largest) = (0, 0.0_f64);
         for _ in 0..(40.0 / hz / TICK_S) as u64 {
-            plant.tick(Path::default(), true);
+            plant.tick(SetPointPath::default(), true);
             blows += plant.finished().len();
             largest = largest.max(plant.cart_m().abs());
         }

@@ -1,10 +1,10 @@
 //! Friction, end stops, tilt, an armature with a mode of its own and the shaker's impedance: each against a closed form,
 //! and all of them together against the balance of energy.
 
-use emulator::bodies::State;
+use emulator::bodies::BodiesState;
 use emulator::cart::{Friction, Mounting, Stops};
-use emulator::plant::{Drive, Plant};
-use emulator::shaker::{ArmatureParams, Path, ShakerParams};
+use emulator::plant::{Plant, ShakerDrive};
+use emulator::shaker::{ArmatureParams, SetPointPath, ShakerParams};
 use shared::model::contact::TABLE_3_1;
 use shared::model::params::{BEAM_150, GRAVITY_M_PER_S2, RigParams, SupportParams, WIRES};
 use std::f64::consts::TAU;
@@ -34,17 +34,17 @@ pub fn free_hammer() -> RigParams {
 }
 
 /// A cart that moves at `speed` past a hammer that stands still, far from its surface.
-fn alone(speed: f64) -> State {
-    State {
+fn alone(speed: f64) -> BodiesState {
+    BodiesState {
         q: -0.2,
         v: -speed,
         w: speed,
-        ..State::default()
+        ..BodiesState::default()
     }
 }
 
 fn plant(params: &RigParams, shaker: ShakerParams, mounting: Mounting, tick_s: f64) -> Plant {
-    Plant::mounted(params, &Drive::Shaker(shaker), &mounting, tick_s).unwrap()
+    Plant::mounted(params, &ShakerDrive::Shaker(shaker), &mounting, tick_s).unwrap()
 }
 
 /// Energy that came in, less what was taken and what is there, J.
@@ -69,7 +69,7 @@ fn a_sliding_cart_slows_down_by_coulomb_friction_and_stays() {
     let mut plant = plant(&params, loose(), mounting, TICK_S);
     let (speed, mass) = (0.05, params.cart_mass_kg);
     // Sliding already: the bristles are bent as far as they go.
-    plant.set_state(State {
+    plant.set_state(BodiesState {
         p: 20e-6,
         ..alone(speed)
     });
@@ -77,7 +77,7 @@ fn a_sliding_cart_slows_down_by_coulomb_friction_and_stays() {
     let stops_s = mass * speed / 5.0;
     let half = (0.5 * stops_s / TICK_S) as u64;
     for k in 0..20_000 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
         if k + 1 == half {
             let t = half as f64 * TICK_S;
             let (want, way) = (speed - 5.0 * t / mass, speed * t - 2.5 * t * t / mass);
@@ -113,13 +113,13 @@ fn a_tilted_cart_sticks_below_its_static_friction_and_slides_above_it() {
         let mut plant = plant(&params, loose(), mounting, TICK_S);
         let hangs = *plant.state();
         // The bristles, which give way over 20 µm, hold it already.
-        plant.set_state(State {
+        plant.set_state(BodiesState {
             q: hangs.q,
             p: 20e-6 / fixed.max(1.0),
-            ..State::default()
+            ..BodiesState::default()
         });
         for _ in 0..(time_s / TICK_S) as u64 {
-            plant.tick(Path::default(), false);
+            plant.tick(SetPointPath::default(), false);
         }
         plant.cart_m()
     };
@@ -148,7 +148,7 @@ fn an_end_stop_gives_back_what_its_closed_form_says() {
         plant.set_state(alone(speed));
         let before = plant.bodies().energy_j(plant.state());
         while plant.state().w > 0.0 || plant.cart_m() > stops.at_m {
-            plant.tick(Path::default(), false);
+            plant.tick(SetPointPath::default(), false);
         }
         let off = missing_j(&plant, before) / (0.5 * params.cart_mass_kg * speed * speed);
         assert!(off.abs() < 1e-4, "{off:.1e}");
@@ -187,10 +187,10 @@ fn a_tilted_pendulum_hangs_in_the_tilt_and_swings_as_before() {
     let SupportParams::Wires { length_m, .. } = params.support else {
         panic!("wires");
     };
-    let mut plant = Plant::mounted(&params, &Drive::Prescribed, &mounting, TICK_S).unwrap();
+    let mut plant = Plant::mounted(&params, &ShakerDrive::Prescribed, &mounting, TICK_S).unwrap();
     let rest = length_m * tilt_rad.sin();
     for _ in 0..20_000 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
     }
     assert!(
         (plant.hammer_m() - rest).abs() < 1e-12,
@@ -202,7 +202,7 @@ fn a_tilted_pendulum_hangs_in_the_tilt_and_swings_as_before() {
     let mut rises = Vec::new();
     let mut last = 0.0;
     for k in 0..80_000 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
         let past = plant.hammer_m() - rest;
         if last < 0.0 && past >= 0.0 {
             rises.push((f64::from(k) + last / (last - past)) * TICK_S);
@@ -227,7 +227,7 @@ fn beams_and_a_cart_on_its_suspension_sag_in_a_tilt() {
     let shaker = ShakerParams::default();
     let mut plant = plant(&BEAM_150, shaker, mounting, TICK_S);
     for _ in 0..100_000 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
     }
     let along = GRAVITY_M_PER_S2 * tilt_rad.sin();
     let both = BEAM_150.cart_mass_kg + BEAM_150.mass_kg;
@@ -269,14 +269,14 @@ fn cart_and_armature_swing_in_their_two_modes() {
     for square in [middle - root, middle + root] {
         let off = |tick_s: f64| {
             let mut plant = plant(&params, shaker, Mounting::default(), tick_s);
-            plant.set_state(State {
+            plant.set_state(BodiesState {
                 y: 1e-4,
                 z: 1e-4 * (1.0 - cart * square / joint),
                 ..alone(0.0)
             });
             let mut worst = 0.0_f64;
             for k in 1..=(0.2 / tick_s).round() as u32 {
-                plant.tick(Path::default(), false);
+                plant.tick(SetPointPath::default(), false);
                 let want = 1e-4 * (square.sqrt() * f64::from(k) * tick_s).cos();
                 worst = worst.max((plant.cart_m() - want).abs() / 1e-4);
             }
@@ -305,7 +305,7 @@ fn a_shaker_that_loses_force_with_speed_comes_to_its_terminal_speed() {
     let params = free_hammer();
     let mut plant = plant(&params, shaker, Mounting::default(), TICK_S);
     plant.set_state(alone(0.0));
-    let far = Path::new(TICK_S, (1e3, 0.0), (1e3, 0.0));
+    let far = SetPointPath::new(TICK_S, (1e3, 0.0), (1e3, 0.0));
     for k in 1..=10_000 {
         plant.tick(far, true);
         let t = f64::from(k) * TICK_S;

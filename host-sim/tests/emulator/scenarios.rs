@@ -3,7 +3,7 @@
 use emulator::local::Local;
 use emulator::optimum::{held_force, prescribed};
 use emulator::plant::Plant;
-use emulator::record::{BlockRow, Event, EventKind, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow};
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
@@ -137,10 +137,10 @@ struct Trace {
     ticks: u64,
     blocks: u64,
     sum: u64,
-    events: Vec<Event>,
+    events: Vec<RunEvent>,
 }
 
-impl Observer for Trace {
+impl RunObserver for Trace {
     fn tick(&mut self, row: &TickRow) {
         assert_eq!(row.tick, self.ticks);
         self.ticks += 1;
@@ -162,7 +162,7 @@ impl Observer for Trace {
         self.blocks += 1;
         assert_eq!(row.frames.len(), row.ticks);
     }
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         self.events.push(event.clone());
     }
 }
@@ -200,7 +200,7 @@ fn a_controller_that_only_drives_is_stopped_by_its_emergency_chain_a_block_later
         .events
         .iter()
         .filter_map(|e| match e.what {
-            EventKind::Drive { on } => Some((e.tick, on)),
+            RunEventKind::Drive { on } => Some((e.tick, on)),
             _ => None,
         })
         .collect();
@@ -230,8 +230,8 @@ fn a_clock_that_is_fast_makes_the_drive_fast() {
 #[derive(Default)]
 struct Onsets(Vec<f64>);
 
-impl Observer for Onsets {
-    fn contact(&mut self, contact: &emulator::record::Contact) {
+impl RunObserver for Onsets {
+    fn contact(&mut self, contact: &emulator::record::TrueContact) {
         self.0.push(contact.onset_s);
     }
 }

@@ -1,8 +1,10 @@
 //! Sensors and lines: what the controller gets to see.
 
 use emulator::plant::Plant;
-use emulator::sensors::{Defect, End, Errors, Sensor, SensorParams, Sensors};
-use emulator::shaker::{Path, ShakerParams};
+use emulator::sensors::{
+    BadContactEnd, Defect, EmulatedSensor, SensorErrors, SensorParams, Sensors,
+};
+use emulator::shaker::{SetPointPath, ShakerParams};
 use numerics::noise::Noise;
 use shared::io::{AdcCode, Reading};
 use shared::model::params::{RigParams, WIRES};
@@ -44,7 +46,7 @@ fn a_still_rig_reads_its_calibration_with_offset_and_gain_error() {
     let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
     plant.set_state(on_the_sine(&params, 1e-6, rest(&params) - 0.02, 0.0));
     let errors = SensorParams {
-        hammer: Errors {
+        hammer: SensorErrors {
             offset: 20e-6,
             gain_error: 0.05,
             noise: 0.0,
@@ -55,7 +57,7 @@ fn a_still_rig_reads_its_calibration_with_offset_and_gain_error() {
     let mut codes = [AdcCode::default(); 3];
     let mut path = 0.0;
     for _ in 0..100 {
-        plant.tick(Path::default(), false);
+        plant.tick(SetPointPath::default(), false);
         codes = sensors.read(&plant);
         path = plant.hammer_m();
     }
@@ -71,9 +73,9 @@ fn a_still_rig_reads_its_calibration_with_offset_and_gain_error() {
 fn each_defect_shows_as_itself_and_goes() {
     let settings = Settings::for_rig(&WIRES);
     let plant = Plant::new(&WIRES, &ShakerParams::default(), TICK_S).unwrap();
-    let noisy = Errors {
+    let noisy = SensorErrors {
         noise: 20e-6,
-        ..Errors::default()
+        ..SensorErrors::default()
     };
     let params = SensorParams {
         cart: noisy,
@@ -83,7 +85,7 @@ fn each_defect_shows_as_itself_and_goes() {
     let mut read = |defect| {
         sensors.end(0);
         if let Some(defect) = defect {
-            sensors.begin(Sensor::Cart, 0, defect);
+            sensors.begin(EmulatedSensor::Cart, 0, defect);
         }
         (0..50).map(|_| sensors.read(&plant)[2]).collect::<Vec<_>>()
     };
@@ -155,7 +157,7 @@ fn hammer_reads(defects: &[Defect], ticks: usize) -> Vec<f64> {
         sensors.read(&plant);
     }
     for (id, defect) in defects.iter().enumerate() {
-        sensors.begin(Sensor::Hammer, id, *defect);
+        sensors.begin(EmulatedSensor::Hammer, id, *defect);
     }
     let read = |_| f64::from(settings.hammer.value(sensors.read(&plant)[1]));
     (0..ticks).map(read).collect()
@@ -197,7 +199,11 @@ fn a_dead_sensor_keeps_its_noise_and_a_bad_contact_its_rhythm() {
     assert!(mean.abs() < 5.0 * 50e-6 / n.sqrt() + 1e-6, "{mean}");
     // Five standard errors of a variance, and the quantisation's twelfth.
     assert!((variance / 2.5e-9 - 1.0).abs() < 5.0 * (2.0 / n).sqrt() + 2e-3);
-    for (at, is) in [(End::Open, 0), (End::High, 4095), (End::Low, 100)] {
+    for (at, is) in [
+        (BadContactEnd::Open, 0),
+        (BadContactEnd::High, 4095),
+        (BadContactEnd::Low, 100),
+    ] {
         let settings = Settings::for_rig(&WIRES);
         let bad = Defect::Intermittent {
             at,
@@ -221,7 +227,7 @@ fn a_late_sensor_reads_what_was_so_many_ticks_before() {
         plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
         let mut sensors = noiseless(&settings, SensorParams::default());
         if let Some(ticks) = late {
-            sensors.begin(Sensor::Cart, 7, Defect::Delayed(ticks));
+            sensors.begin(EmulatedSensor::Cart, 7, Defect::Delayed(ticks));
         }
         let mut codes = Vec::new();
         for k in 0..5000 {
@@ -241,7 +247,7 @@ fn a_delay_that_drifts_grows_from_none_by_its_rate() {
     let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
     let mut sensors = [0, 1].map(|_| noiseless(&settings, SensorParams::default()));
     // 1 ms in half a second.
-    sensors[1].begin(Sensor::Cart, 7, Defect::DelayDrift(2e-3));
+    sensors[1].begin(EmulatedSensor::Cart, 7, Defect::DelayDrift(2e-3));
     let hz = 2.0 * WIRES.natural_frequency_hz();
     plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
     let mut seen = [Vec::new(), Vec::new()];

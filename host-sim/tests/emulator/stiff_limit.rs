@@ -1,7 +1,7 @@
 //! Prescribed motion, and the two bodies on their way to it, against the reference.
 
 use emulator::plant::Plant;
-use emulator::record::Contact;
+use emulator::record::TrueContact;
 use emulator::shaker::ShakerParams;
 use numerics::orbit::shoot;
 use numerics::reference::{self, Reference};
@@ -36,7 +36,7 @@ fn prescribed_motion_is_the_references() {
         let mut plant = Plant::prescribed(&params, TICK_S).unwrap();
         plant.set_state(on_the_sine(&params, hz, rest(&params), 0.0));
         let seen = contacts(&mut plant, &params, hz, TICK_S, 25.0 / hz);
-        let mut truth = Vec::<reference::Contact>::new();
+        let mut truth = Vec::<reference::LocatedContact>::new();
         let mut hammer = Reference::<f64>::at_rest(&params, hz).unwrap();
         for _ in 0..25 {
             hammer.run_period(&mut truth);
@@ -86,7 +86,7 @@ fn a_cart_that_recoils_is_the_references() {
             let mut plant = Plant::new(&params, &shaker, TICK_S).unwrap();
             plant.set_state(on_the_sine(&params, hz, rest(&params), 0.0));
             let seen = contacts(&mut plant, &params, hz, TICK_S, 25.0 / hz);
-            let mut truth = Vec::<reference::Contact>::new();
+            let mut truth = Vec::<reference::LocatedContact>::new();
             let recoiling = RigParams { cart, ..params };
             let mut hammer = Reference::<f64>::at_rest(&recoiling, hz).unwrap();
             for _ in 0..25 {
@@ -125,7 +125,8 @@ fn regime_of_plant(params: &RigParams, hz: f64) -> Regime {
         for k in 0..per_period as u64 {
             let before = plant.bodies().mode;
             plant.tick(sine(params, hz, tick_s, k), true);
-            let onset = before != plant.bodies().mode && before == shared::model::rig::Mode::Flight;
+            let onset =
+                before != plant.bodies().mode && before == shared::model::rig::SwitchMode::Flight;
             period.onsets += u16::from(onset);
             period.touched |= plant.touched();
         }
@@ -157,7 +158,7 @@ fn regimes_are_the_references() {
 }
 
 /// The second contact of two bodies that start on the 1/1 orbit of prescribed motion.
-fn second_contact(params: &RigParams, hz: f64, section: [f64; 2], loop_hz: f64) -> Contact {
+fn second_contact(params: &RigParams, hz: f64, section: [f64; 2], loop_hz: f64) -> TrueContact {
     // Fine enough for the loop: RK4 holds to about 2.8 of its angular frequency times the step.
     let tick_s = 0.1 / (std::f64::consts::TAU * loop_hz);
     let shaker = ShakerParams {

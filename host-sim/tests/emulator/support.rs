@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use emulator::bodies::State;
+use emulator::bodies::BodiesState;
 use emulator::plant::Plant;
-use emulator::record::Contact;
-use emulator::shaker::Path;
+use emulator::record::TrueContact;
+use emulator::shaker::SetPointPath;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
@@ -13,24 +13,24 @@ use shared::model::rig::Rig;
 pub const TICK_S: f64 = 50e-6;
 
 /// The cart's course y = A0 sin Ωt over tick `k` of `tick_s`.
-pub fn sine(params: &RigParams, frequency_hz: f64, tick_s: f64, k: u64) -> Path {
+pub fn sine(params: &RigParams, frequency_hz: f64, tick_s: f64, k: u64) -> SetPointPath {
     let (amplitude, omega) = (params.amplitude_m, TAU * frequency_hz);
     let at = |k: u64| {
         let turns = (k as f64 * tick_s * frequency_hz).fract();
         let (sin, cos) = (TAU * turns).sin_cos();
         (amplitude * sin, amplitude * omega * cos)
     };
-    Path::new(tick_s, at(k), at(k + 1))
+    SetPointPath::new(tick_s, at(k), at(k + 1))
 }
 
 /// On the sine at phase 0, with the hammer at coordinate `q` and rate `v` relative to the cart.
-pub fn on_the_sine(params: &RigParams, frequency_hz: f64, q: f64, v: f64) -> State {
-    State {
+pub fn on_the_sine(params: &RigParams, frequency_hz: f64, q: f64, v: f64) -> BodiesState {
+    BodiesState {
         q,
         v,
         y: 0.0,
         w: params.amplitude_m * TAU * frequency_hz,
-        ..State::default()
+        ..BodiesState::default()
     }
 }
 
@@ -46,7 +46,7 @@ pub fn contacts(
     frequency_hz: f64,
     tick_s: f64,
     time_s: f64,
-) -> Vec<Contact> {
+) -> Vec<TrueContact> {
     let mut contacts = Vec::new();
     for k in 0..(time_s / tick_s).round() as u64 {
         plant.tick(sine(params, frequency_hz, tick_s, k), true);

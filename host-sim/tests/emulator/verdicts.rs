@@ -3,7 +3,7 @@
 use emulator::optimum::Optimum;
 use emulator::run::run;
 use emulator::scenario::{Scenario, parse};
-use emulator::summary::Summary;
+use emulator::summary::RunSummary;
 use emulator::under_test::FixedFrequency;
 use emulator::verdict::{Best, Verdict, judge_by};
 
@@ -15,7 +15,7 @@ fn scenario(more: &str) -> Scenario {
     parse("by-hand", &text, "by-hand.toml").unwrap()
 }
 
-fn ran(scenario: &Scenario) -> Summary {
+fn ran(scenario: &Scenario) -> RunSummary {
     let mut control = FixedFrequency::new(scenario.settings, 3.66);
     run(scenario, &mut control, &mut ()).unwrap()
 }
@@ -100,12 +100,12 @@ fn time_without_drive_counts_until_a_stop_and_not_after_it() {
 
 #[test]
 fn more_force_than_there_can_be_fails_unless_it_is_expected() {
-    use emulator::record::{Contact, TickRow};
+    use emulator::record::{TickRow, TrueContact};
     use shared::control::{Controller, State};
     // Ten seconds of Hold at 4 Hz, each blow 103 N where 100 are the optimum.
     let judged = |expect: &str| {
         let scenario = scenario(&format!("[expect]\n{expect}\n"));
-        let mut summary = Summary::new(&scenario);
+        let mut summary = RunSummary::new(&scenario);
         let mut status = Controller::new(&scenario.settings, &Default::default())
             .unwrap()
             .status();
@@ -114,9 +114,9 @@ fn more_force_than_there_can_be_fails_unless_it_is_expected() {
         summary.block(0, &status);
         for tick in 0..200_000_u64 {
             if tick % 5000 == 2500 {
-                summary.contact(&Contact {
+                summary.contact(&TrueContact {
                     peak_force_n: 103.0,
-                    ..Contact::default()
+                    ..TrueContact::default()
                 });
             }
             summary.tick(&TickRow {

@@ -4,7 +4,7 @@ mod recoil;
 
 use numerics::engine::Engine;
 use numerics::lanes::{
-    Cell, CellPlan, Instructions, Options, Outcome, Precision, Report, by_engine, run,
+    Cell, CellOutcome, CellPlan, Instructions, LanePrecision, Options, Report, by_engine, run,
     run_reported, run_serial, run_with,
 };
 use rand::{Rng, SeedableRng};
@@ -44,7 +44,7 @@ const FULL: CellPlan = CellPlan {
     ..CellPlan::CHAPTER
 };
 
-fn options(precision: Precision, instructions: Instructions) -> Options {
+fn options(precision: LanePrecision, instructions: Instructions) -> Options {
     Options {
         precision,
         instructions,
@@ -56,8 +56,8 @@ fn close(a: f64, b: f64, share: f64) -> bool {
 }
 
 /// Of pairs that both find periodic: how many, how many with the same p/n, how many with the force within 0.1 %.
-fn agreement(ours: &[Outcome], theirs: &[Outcome]) -> (usize, usize, usize) {
-    let periodic = |o: &Outcome| matches!(o.regime, Regime::Periodic { .. });
+fn agreement(ours: &[CellOutcome], theirs: &[CellOutcome]) -> (usize, usize, usize) {
+    let periodic = |o: &CellOutcome| matches!(o.regime, Regime::Periodic { .. });
     let pairs = ours.iter().zip(theirs);
     let both: Vec<_> = pairs.filter(|(a, b)| periodic(a) && periodic(b)).collect();
     let same = both.iter().filter(|(a, b)| a.regime == b.regime).count();
@@ -71,7 +71,7 @@ fn agreement(ours: &[Outcome], theirs: &[Outcome]) -> (usize, usize, usize) {
 fn a_random_sample_of_the_map_agrees_with_the_reference() {
     let cells = sample(140, 1);
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let (ours, report) =
             run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
         let (both, same, force) = agreement(&ours, &reference);
@@ -96,7 +96,7 @@ fn a_last_weak_hop_is_counted() {
         .map(|i| cell(BEAM_170, 0.134417e-3, (0.65 + 2e-4 * f64::from(i)) * 4.5))
         .collect();
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let (ours, report) =
             run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
         for (i, (a, b)) in ours.iter().zip(&reference).enumerate() {
@@ -116,7 +116,7 @@ fn every_instruction_set_gives_the_same_bytes() {
         early: true,
         strobes: 3,
     };
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let (widest, _) =
             run_with(options(precision, Instructions::Widest), &cells, &plan).unwrap();
         for instructions in [Instructions::Avx2, Instructions::Scalar] {
@@ -193,7 +193,7 @@ fn a_start_at_another_phase_follows_the_reference() {
             one.phase = phase;
             let scale = Rig::<f64>::new(&one.params).unwrap().coordinate_scale();
             one.start[1] = 1.5 * scale * std::f64::consts::TAU * hz;
-            let best = options(Precision::Double, Instructions::Widest);
+            let best = options(LanePrecision::Double, Instructions::Widest);
             let (ours, _) = run_with(best, &[one], &plan).unwrap();
             let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
             assert_eq!(ours[0].strobes.len(), 6);
@@ -218,7 +218,7 @@ fn chatter_ends_as_the_reference_has_it() {
     let cells: Vec<_> = (0..12)
         .map(|i| cell(WIRES, 0.0, 1.41 + 0.05 * f64::from(i)))
         .collect();
-    let best = options(Precision::Double, Instructions::Widest);
+    let best = options(LanePrecision::Double, Instructions::Widest);
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     let mut chatters = 0;
@@ -250,7 +250,7 @@ fn hops_that_come_back_before_they_are_out_are_counted() {
             Cell { ..one }
         })
         .collect();
-    let best = options(Precision::Double, Instructions::Widest);
+    let best = options(LanePrecision::Double, Instructions::Widest);
     let (ours, _) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     for (i, (a, b)) in ours.iter().zip(&theirs).enumerate() {
@@ -288,7 +288,7 @@ fn grazing_is_told_rightly_or_flagged() {
             low = middle;
         }
     }
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let best = options(precision, Instructions::Widest);
         let mut flagged = 0;
         for exponent in -11..-1 {

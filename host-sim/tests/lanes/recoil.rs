@@ -2,7 +2,7 @@
 
 use numerics::engine::Engine;
 use numerics::lanes::{
-    Cell, CellPlan, Instructions, Options, Precision, by_engine, run_reported, run_with,
+    Cell, CellPlan, Instructions, LanePrecision, Options, by_engine, run_reported, run_with,
 };
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
@@ -38,7 +38,7 @@ fn recoiling(count: usize, seed: u64) -> Vec<Cell> {
 fn random_cells_of_four_rigs_agree_with_the_reference() {
     let cells = recoiling(60, 1);
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let (ours, report) =
             run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
         let (both, same, force) = agreement(&ours, &reference);
@@ -70,7 +70,7 @@ fn the_first_cycles_follow_the_reference() {
             one.phase = phase;
             let scale = Rig::<f64>::new(&one.params).unwrap().coordinate_scale();
             one.start[1] = 1.5 * scale * std::f64::consts::TAU * hz;
-            let best = options(Precision::Double, Instructions::Widest);
+            let best = options(LanePrecision::Double, Instructions::Widest);
             let (ours, report) = run_with(best, &[one], &plan).unwrap();
             assert_eq!(report.lanes, 1);
             let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
@@ -96,7 +96,7 @@ fn a_very_heavy_cart_is_a_prescribed_one() {
             one
         })
         .collect();
-    let best = options(Precision::Double, Instructions::Widest);
+    let best = options(LanePrecision::Double, Instructions::Widest);
     let (theirs, _) = run_with(best, &free, &FULL).unwrap();
     let (ours, report) = run_with(best, &heavy, &FULL).unwrap();
     let (both, same, force) = agreement(&ours, &theirs);
@@ -119,7 +119,7 @@ fn chatter_ends_as_the_reference_has_it() {
     let cells: Vec<_> = (0..12)
         .map(|i| held(cell(WIRES, 0.0, 1.41 + 0.05 * f64::from(i)), 50.0))
         .collect();
-    let best = options(Precision::Double, Instructions::Widest);
+    let best = options(LanePrecision::Double, Instructions::Widest);
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     let mut chatters = 0;
@@ -141,7 +141,7 @@ fn every_instruction_set_gives_the_same_bytes() {
         early: true,
         strobes: 3,
     };
-    for precision in [Precision::Single, Precision::Double] {
+    for precision in [LanePrecision::Single, LanePrecision::Double] {
         let (widest, _) =
             run_with(options(precision, Instructions::Widest), &cells, &plan).unwrap();
         for instructions in [Instructions::Avx2, Instructions::Scalar] {

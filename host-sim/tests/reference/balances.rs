@@ -1,6 +1,6 @@
 //! Energy and momentum: what goes in comes out, on every rig.
 
-use numerics::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{LocatedContact, Reference, Segment, TrajectoryObserver};
 use shared::model::params::{PRESETS, RigParams, SupportParams, Torque};
 
 use crate::support::close;
@@ -33,7 +33,7 @@ fn work_in_is_work_out_and_energy_kept() {
         let frequency_hz = 1.5 * params.natural_frequency_hz();
         let mut hammer = Reference::<f64>::at_rest(&params, frequency_hz).unwrap();
         let before = hammer.energy_j();
-        let mut contacts = Vec::<Contact>::new();
+        let mut contacts = Vec::<LocatedContact>::new();
         for _ in 0..CYCLES {
             hammer.run_period(&mut contacts);
         }
@@ -60,7 +60,7 @@ struct Moments {
     third: f64,
 }
 
-impl Observer for Moments {
+impl TrajectoryObserver for Moments {
     fn segment(&mut self, s: &Segment) {
         // Gauss–Legendre with 4 points.
         const NODES: [(f64, f64); 4] = [

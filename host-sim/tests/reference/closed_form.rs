@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use shared::model::contact::TABLE_3_1;
 use shared::model::drive::Drive;
 use shared::model::rig::Rig;
-use shared::model::step::{Banded, Corrected, State};
+use shared::model::step::{Banded, Corrected, HammerState};
 use shared::model::switch::Band;
 use shared::model::twin::Twin;
 
@@ -131,7 +131,7 @@ fn the_band_traps_a_slow_hammer() {
     let crossing = 2.0 * eta * CI / MASS_KG;
     for (times, trapped) in [(0.95, true), (1.05, true), (4.0, false)] {
         let rig = Rig::<f64>::new(&free_mass(MASS_KG, TABLE_3_1)).unwrap();
-        let state = State::new(&rig, -1.1 * eta, times * crossing);
+        let state = HammerState::new(&rig, -1.1 * eta, times * crossing);
         let drive = Drive::new(STANDSTILL_HZ, 1e-7).unwrap();
         let mut twin = Twin::new(rig, drive, Banded { band }, state);
         let rebounds = (0..100_000).any(|_| twin.tick().contact.is_some());

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use numerics::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{LocatedContact, Reference, Segment, TrajectoryObserver};
 use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams};
-use shared::model::rig::Mode;
+use shared::model::rig::SwitchMode;
 
 /// A linear oscillator without damping, released from rest: its flight is known in closed form.
 fn linear(gap_m: f64) -> RigParams {
@@ -48,7 +48,7 @@ impl Flight {
     }
 
     /// The contacts up to `until_s` with the surface at `gap`.
-    fn contacts(self, gap: f64, until_s: f64) -> Vec<Contact> {
+    fn contacts(self, gap: f64, until_s: f64) -> Vec<LocatedContact> {
         let q = -gap;
         let mut hammer =
             Reference::<f64>::new(&linear(gap), self.frequency_hz, q, self.pace).unwrap();
@@ -113,13 +113,13 @@ fn a_touch_of_a_nanometre_within_one_step_is_found_and_none_below() {
 /// Largest |δ|/δ̇ at an onset and largest |F|/|Ḟ| at a release, s.
 #[derive(Default)]
 struct Residuals {
-    last: Option<Mode>,
+    last: Option<SwitchMode>,
     onset_s: f64,
     release_s: f64,
     onsets: usize,
 }
 
-impl Observer for Residuals {
+impl TrajectoryObserver for Residuals {
     fn segment(&mut self, s: &Segment) {
         let at = s.rig.kinematics(s.start.q, s.start.v);
         // F = 0 there, so that the acceleration is the same on both sides.
@@ -131,7 +131,7 @@ impl Observer for Residuals {
             let rate = ki * at.rate + ci * acceleration;
             (s.rig.force(&at, s.approach) / rate).abs()
         };
-        if self.last == Some(Mode::Flight) && s.mode == Mode::Contact {
+        if self.last == Some(SwitchMode::Flight) && s.mode == SwitchMode::Contact {
             // Touching while it still lifts off: there contact begins as F, not δ, rises through 0.
             let touching = (at.delta / at.rate).abs();
             let residual = if at.rate > 0.0 {
@@ -142,7 +142,7 @@ impl Observer for Residuals {
             self.onset_s = self.onset_s.max(residual);
             self.onsets += 1;
         }
-        if self.last == Some(Mode::Contact) && s.mode == Mode::Flight {
+        if self.last == Some(SwitchMode::Contact) && s.mode == SwitchMode::Flight {
             self.release_s = self.release_s.max(pushing_in());
         }
         self.last = Some(s.mode);

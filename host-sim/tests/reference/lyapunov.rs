@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use numerics::lyapunov::{BLOCKS, Exponents, Span, exponents, of_smoothed};
+use numerics::lyapunov::{BLOCKS, Exponents, LyapunovSpan, exponents, of_smoothed};
 use numerics::orbit::{Multipliers, shoot};
-use numerics::reference::{Contact, Reference};
+use numerics::reference::{LocatedContact, Reference};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, BEAM_170, RigParams, SupportParams, WIRES};
@@ -30,7 +30,7 @@ fn at(
     periods: u32,
 ) -> Exponents {
     let hz = ratio * params.natural_frequency_hz();
-    let plan = Span { transient, periods };
+    let plan = LyapunovSpan { transient, periods };
     exponents(params, hz, section, plan).unwrap()
 }
 
@@ -111,7 +111,7 @@ fn the_sum_is_what_the_dampers_leave() {
         let periods = 300;
         let found = at(&params, ratio, rest, 0, periods);
         let mut hammer = Reference::<f64>::new(&params, hz, rest[0], rest[1]).unwrap();
-        let mut contacts = Vec::<Contact>::new();
+        let mut contacts = Vec::<LocatedContact>::new();
         // The dual trajectory takes the same steps, so chaos does not part the two.
         (0..periods).for_each(|_| {
             hammer.run_period(&mut contacts);
@@ -351,7 +351,7 @@ fn the_smoothed_contact_comes_to_the_same_exponent() {
     let (params, rest) = with_gap(WIRES, 1.0);
     let hz = 1.8 * params.natural_frequency_hz();
     let exact = at(&params, 1.8, rest, 300, 40).largest_per_s;
-    let plan = Span {
+    let plan = LyapunovSpan {
         transient: 300,
         periods: 2 * BLOCKS,
     };

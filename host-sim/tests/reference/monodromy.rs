@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use numerics::orbit::{Orbit, shoot};
-use numerics::reference::{Contact, Reference};
+use numerics::reference::{LocatedContact, Reference};
 use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::params::{PRESETS, RigParams, SupportParams};
 use shared::model::rig::Rig;
@@ -124,7 +124,7 @@ fn shooting_finds_what_simulation_settles_to() {
         for _ in 0..600 {
             hammer.run_period(&mut ());
         }
-        let mut contacts = Vec::<Contact>::new();
+        let mut contacts = Vec::<LocatedContact>::new();
         hammer.run_period(&mut contacts);
         close(name, orbit.force_n, contacts[0].peak_force_n, 1e-9);
     }

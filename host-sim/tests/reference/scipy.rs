@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use numerics::engine::{Engine, Observation, Plan, Recorder, Start, machine, observe};
-use numerics::reference::{Contact, Reference};
+use numerics::engine::{CycleRecorder, Engine, Observation, Plan, Start, machine, observe};
+use numerics::reference::{LocatedContact, Reference};
 use serde_json::Value;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams, preset};
@@ -107,7 +107,7 @@ fn every_sequence_from_rest() {
         let params = rig_of(p);
         let what = format!("{} {} mm, ratio {}", p["rig"], p["gap_mm"], p["ratio"]);
         let mut hammer = Reference::<f64>::at_rest(&params, number(p, "frequency_hz")).unwrap();
-        let mut seen = Vec::<Contact>::new();
+        let mut seen = Vec::<LocatedContact>::new();
         let strobes = list(case, "strobes");
         let noise = |key: &str| number(&case["tight_minus_loose_run"], key);
         for (k, strobe) in strobes.iter().enumerate() {
@@ -143,7 +143,12 @@ fn every_sequence_from_rest() {
     }
 }
 
-fn settled(params: &RigParams, frequency_hz: f64, plan: Plan, keep: &mut Recorder) -> Observation {
+fn settled(
+    params: &RigParams,
+    frequency_hz: f64,
+    plan: Plan,
+    keep: &mut CycleRecorder,
+) -> Observation {
     let mut event = machine(Engine::Event, params, frequency_hz, Start::Rest).unwrap();
     observe(event.as_mut(), plan, keep).unwrap()
 }
@@ -159,7 +164,7 @@ fn every_settled_regime_and_force() {
             cycles: transient + count("window_cycles"),
             transient,
         };
-        let mut keep = Recorder::default();
+        let mut keep = CycleRecorder::default();
         let seen = settled(&params, number(p, "frequency_hz"), plan, &mut keep);
         let what = format!("{} {} mm, ratio {}", p["rig"], p["gap_mm"], p["ratio"]);
         assert_eq!(want["label"], seen.regime.to_string(), "{what}");
@@ -192,7 +197,7 @@ fn the_force_curve_of_the_wires_at_gap_zero() {
             transient: 300,
         };
         let frequency_hz = number(case, "frequency_hz");
-        let seen = settled(&params, frequency_hz, plan, &mut Recorder::default());
+        let seen = settled(&params, frequency_hz, plan, &mut CycleRecorder::default());
         let what = format!("ratio {}", case["ratio"]);
         assert_eq!(case["label"], seen.regime.to_string(), "{what}");
         let force = number(case, "strongest_peak_force_n");

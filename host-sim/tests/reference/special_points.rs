@@ -1,11 +1,12 @@
 //! Period doubling, fold and graze as continuation finds them, against the closed form of the bouncing oscillator
 //! ([`crate::bouncing`]), against the linear response, and against what simulation does beyond them.
 
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use numerics::continuation::{
-    Along, Curve, Diagram, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
+    Along, CurveEnd, CurveOrigin, Family, Node, OrbitCurve, OrbitDiagram, OrbitsRequest, Special,
+    Until, diagram, march,
 };
-use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use numerics::engine::{CycleRecorder, Engine, Plan, Start, machine, observe};
 use numerics::orbit::{Stability, on_course, shoot, shoot_periods};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, BEAM_170, RigParams, WIRES};
@@ -45,7 +46,7 @@ fn first_special(times: f64, gap_m: f64, from: f64, upwards: bool) -> Node {
     let seed = seed.expect("the closed form is near enough to start from");
     let seed = if upwards { seed } else { seed.turned() };
     let (nodes, end) = march(&family, &seed, WIDE, Until::Special);
-    assert!(matches!(end, End::Special(_)), "{end:?}");
+    assert!(matches!(end, CurveEnd::Special(_)), "{end:?}");
     nodes.last().expect("a special point").clone()
 }
 
@@ -117,7 +118,7 @@ fn behind_the_fold_lies_the_other_orbit_and_it_ends_at_the_linear_response() {
         .node_at(1.4, on_course(stable(1.4, gap_m).section))
         .unwrap();
     let (nodes, end) = march(&family, &seed, WIDE, Until::End);
-    assert_eq!(end, End::Special(Special::GrazingLost));
+    assert_eq!(end, CurveEnd::Special(Special::GrazingLost));
     let swing = |r: f64| params.amplitude_m * r * r / (1.0 - r * r).hypot(2.0 * ZETA * r);
     let exact = bisected(1.05, 1.6, |r| swing(r) - gap_m);
     close("graze", nodes.last().unwrap().parameter(), exact, 1e-6);
@@ -167,11 +168,16 @@ fn regime(params: &RigParams, frequency_hz: f64, section: [f64; 2], cycles: u32)
         cycles,
         transient: cycles - 40,
     };
-    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default()).unwrap();
+    let seen = observe(hammer.as_mut(), plan, &mut CycleRecorder::default()).unwrap();
     (seen.regime, seen.force_n)
 }
 
-fn curves(gap_m: f64, limits: (f64, f64), periods: u8, starts: usize) -> (RigParams, Vec<Curve>) {
+fn curves(
+    gap_m: f64,
+    limits: (f64, f64),
+    periods: u8,
+    starts: usize,
+) -> (RigParams, Vec<OrbitCurve>) {
     let params = RigParams { gap_m, ..WIRES };
     let request = OrbitsRequest {
         along: Along::Frequency,
@@ -181,7 +187,7 @@ fn curves(gap_m: f64, limits: (f64, f64), periods: u8, starts: usize) -> (RigPar
         starts,
         checks: 0,
     };
-    let found = diagram(&params, &request, &Progress::new("", 1, true)).unwrap();
+    let found = diagram(&params, &request, &ProgressLine::new("", 1, true)).unwrap();
     (params, found.curves)
 }
 
@@ -200,10 +206,10 @@ fn a_contact_that_begins_inside_the_surface_is_not_lost() {
             checks: 1600,
         };
         let params = RigParams { gap_m, ..rig };
-        diagram(&params, &request, &Progress::new("", 1, true)).unwrap()
+        diagram(&params, &request, &ProgressLine::new("", 1, true)).unwrap()
     };
     let found = find(BEAM_170, 0.5e-3, (4.65, 4.68));
-    let ends = |regime: &str, end: End| {
+    let ends = |regime: &str, end: CurveEnd| {
         let curves = (found.curves.iter()).filter(|c| c.regime().to_string() == regime);
         let nodes = curves.flat_map(|c| {
             let first = (c.ends[0] == end).then(|| c.nodes.first().unwrap().parameter());
@@ -212,14 +218,14 @@ fn a_contact_that_begins_inside_the_surface_is_not_lost() {
         });
         nodes.collect::<Vec<_>>()
     };
-    let merged = ends("2/3", End::Merged);
+    let merged = ends("2/3", CurveEnd::Merged);
     assert_eq!(merged.len(), 1, "{merged:?}");
     assert!((merged[0] - 4.662_645_4).abs() < 1e-6, "{merged:?}");
-    let begins = ends("1/3", End::Lost);
+    let begins = ends("1/3", CurveEnd::Lost);
     assert!((begins[0] - merged[0]).abs() < 1e-7, "{begins:?}");
     assert!(found.elsewhere.is_empty(), "{:?}", found.elsewhere);
     // The 2/3 below the 1/3 is another branch: it ends where it loses its second contact.
-    let over = |c: &&Curve| {
+    let over = |c: &&OrbitCurve| {
         let at = |x: f64| c.nodes.iter().any(|n| (n.parameter() - x).abs() < 5e-4);
         c.regime().is(2, 3) && at(4.6583) && at(4.663)
     };
@@ -246,8 +252,8 @@ fn what_checks_settle_on_is_followed() {
         checks,
     };
     let found =
-        |checks: usize| diagram(&WIRES, &request(checks), &Progress::new("", 1, true)).unwrap();
-    let has = |d: &Diagram| d.curves.iter().any(|c| c.regime().is(3, 1));
+        |checks: usize| diagram(&WIRES, &request(checks), &ProgressLine::new("", 1, true)).unwrap();
+    let has = |d: &OrbitDiagram| d.curves.iter().any(|c| c.regime().is(3, 1));
     assert!(!has(&found(0)));
     let checked = found(40);
     assert!(has(&checked));
@@ -267,7 +273,7 @@ fn an_orbit_passed_twice_is_no_branch_of_its_own() {
         starts: 1,
         checks: 200,
     };
-    let found = diagram(&WIRES, &request, &Progress::new("", 1, true)).unwrap();
+    let found = diagram(&WIRES, &request, &ProgressLine::new("", 1, true)).unwrap();
     let names: Vec<_> = (found.curves.iter())
         .map(|c| c.regime().to_string())
         .collect();
@@ -337,7 +343,7 @@ fn beyond_each_doubling_simulation_doubles_and_before_it_does_not() {
 fn a_doubled_orbit_that_soon_grazes_is_found_between_its_two_ends() {
     let (params, curves) = curves(0.0, (3.3, 3.6), 4, 2);
     let find = |regime: &str| {
-        let same = |c: &&Curve| c.regime().to_string() == regime;
+        let same = |c: &&OrbitCurve| c.regime().to_string() == regime;
         curves.iter().find(same).unwrap()
     };
     let mut specials = find("1/2").specials();
@@ -345,7 +351,7 @@ fn a_doubled_orbit_that_soon_grazes_is_found_between_its_two_ends() {
         .find(|(_, k)| *k == Special::PeriodDoubling)
         .unwrap();
     let doubled = find("2/4");
-    assert!(matches!(doubled.origin, Origin::Doubling(_)));
+    assert!(matches!(doubled.origin, CurveOrigin::Doubling(_)));
     let graze = doubled.nodes.last().unwrap();
     assert_eq!(graze.special, Some(Special::GrazingGained));
     let (graze_hz, doubling_hz) = (graze.orbit.frequency_hz, doubling.orbit.frequency_hz);

@@ -1,12 +1,12 @@
 //! What the tests share.
 
-use numerics::reference::{Contact, Reference};
+use numerics::reference::{LocatedContact, Reference};
 use shared::model::contact::Law;
 use shared::model::drive::Drive;
 use shared::model::params::{BEAM_170, RigParams, SupportParams};
 use shared::model::rig::Rig;
 use shared::model::scalar::Real;
-use shared::model::step::{State, Stepper};
+use shared::model::step::{HammerState, Stepper};
 use shared::model::twin::Twin;
 
 /// Drive frequency of [`free_mass`], Hz: so slow that nothing happens during a contact.
@@ -30,7 +30,7 @@ pub fn free_mass(mass_kg: f64, contact: Law<f64>) -> RigParams {
 }
 
 /// One contact of a free mass, by the reference.
-pub fn reference_contact(mass_kg: f64, law: Law<f64>, approach: f64) -> Contact {
+pub fn reference_contact(mass_kg: f64, law: Law<f64>, approach: f64) -> LocatedContact {
     let params = free_mass(mass_kg, law);
     let q = -1e-4 * approach;
     let mut hammer = Reference::<f64>::new(&params, STANDSTILL_HZ, q, approach).unwrap();
@@ -49,7 +49,7 @@ pub fn stepped_contact<R: Real, S: Stepper<R>>(
 ) -> shared::model::contacts::Contact<R> {
     let rig = Rig::<R>::new(&free_mass(mass_kg, law)).unwrap();
     let q = -approach * tick_s * onset_ticks;
-    let state = State::new(&rig, R::from_f64(q), R::from_f64(approach));
+    let state = HammerState::new(&rig, R::from_f64(q), R::from_f64(approach));
     let drive = Drive::new(STANDSTILL_HZ, tick_s).unwrap();
     let mut twin = Twin::new(rig, drive, stepper, state);
     (0..1_000_000)

@@ -1,7 +1,7 @@
 //! Curves over two parameters against the closed form of the bouncing oscillator ([`crate::bouncing`]).
 
 use numerics::continuation::two::{self, Condition, Dimension, Plane, Varied, followed, seeds};
-use numerics::continuation::{Along, Drive, OrbitsRequest};
+use numerics::continuation::{Along, FamilyDrive, OrbitsRequest};
 use numerics::knob::Knob;
 
 use crate::bouncing::{NATURAL_HZ, bouncing, stiffened};
@@ -17,7 +17,7 @@ fn the_curve_of_doublings_approaches_the_closed_form_as_the_contact_stiffens() {
         let gap = Varied::Rig(Knob::named("gap_mm").unwrap());
         let plane = Plane {
             params,
-            drive: Drive::Ratio(2.0),
+            drive: FamilyDrive::Ratio(2.0),
             dimensions: [
                 Dimension::new(Varied::Ratio, (2.15, 2.4), false, &params),
                 Dimension::new(gap, (0.79, 1.01), false, &params),
@@ -33,7 +33,7 @@ fn the_curve_of_doublings_approaches_the_closed_form_as_the_contact_stiffens() {
         };
         let seeds = seeds(&plane, &[0.9], &request, &()).unwrap();
         let curves = followed(&seeds.seeds, &()).unwrap();
-        let doubling = |c: &&two::Curve| c.condition == Condition::PeriodDoubling;
+        let doubling = |c: &&two::TwoParameterCurve| c.condition == Condition::PeriodDoubling;
         let curve = curves.iter().find(doubling).expect("doublings");
         gaps_mm.map(|mm| curve.at(1, mm)[0].values[0])
     };

@@ -2,7 +2,7 @@
 //! session's numbers. It reads and writes nothing itself and knows no clock: the command line gives it a port's bytes, the
 //! page in a browser those of a WebSocket or of Web Serial.
 
-use shared::link::{Act, Decoder, FromBoard, MAX_FRAME, Packet, Refusal, ToBoard, encode};
+use shared::link::{Decoder, FromBoard, LinkAct, MAX_FRAME, Packet, Refusal, ToBoard, encode};
 
 /// The computer's end of one conversation.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Caller {
     ///
     /// # Errors
     /// There is none.
-    pub fn steer(&self, act: Act) -> Result<ToBoard, Refusal> {
+    pub fn steer(&self, act: LinkAct) -> Result<ToBoard, Refusal> {
         let session = self.session.ok_or(Refusal::NoSession)?;
         // Numbered when it is sent.
         Ok(ToBoard::Steer {
@@ -100,14 +100,14 @@ impl Caller {
 #[cfg(test)]
 mod tests {
     use shared::control::Command;
-    use shared::link::Answer;
+    use shared::link::LinkAnswer;
 
     use super::*;
 
     fn packet(sequence: u16, request: u16) -> Vec<u8> {
         let message = FromBoard::Answer {
             request,
-            answer: Answer::Done,
+            answer: LinkAnswer::Done,
         };
         let mut out = [0; MAX_FRAME];
         encode(&Packet { sequence, message }, &mut out)
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn each_sending_of_an_act_has_a_number_of_its_own() {
         let mut caller = Caller::new(9);
-        let alive = Act::Command(Command::Alive);
+        let alive = LinkAct::Command(Command::Alive);
         assert_eq!(caller.steer(alive), Err(Refusal::NoSession));
         caller.granted(5);
         let steer = caller.steer(alive).expect("a session");

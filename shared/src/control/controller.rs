@@ -5,17 +5,17 @@ use super::block_health::BlockHealth;
 use super::event::{Event, EventKind};
 use super::force::ForceLoop;
 use super::forecast_cache::ForecastCache;
-use super::guard::{Guard, Trip};
+use super::guard::{SampleGuard, Trip};
 use super::lifetime::{Faults, Lifetime};
 use super::limits::LimitReport;
 use super::off_watch::OffWatch;
-use super::oscillator::Oscillator;
+use super::oscillator::DriveOscillator;
 use super::phase::Phase;
 use super::plausibility::Plausibility;
 use super::rig_estimate::RigEstimate;
 use super::trim::Trim;
 use super::{BootInfo, Command, Refused, SettingsState, State, Status};
-use crate::fault::{Fault, Persisted, Record};
+use crate::fault::{Fault, FaultRecord, Persisted};
 use crate::forecast::{Forecast, ForecastRequest};
 use crate::io::{Frame, Output};
 use crate::model::drive::Drive;
@@ -31,25 +31,25 @@ pub struct Controller {
     /// What outlives a replacement of the settings; all below is made from them.
     pub(super) life: Lifetime,
     pub(super) settings: Settings,
-    pub(super) oscillator: Oscillator,
+    pub(super) oscillator: DriveOscillator,
     /// The drive as it was when the block that is now sampled was put out.
     pub(super) sensed_drive: Drive<f32>,
     pub(super) sense: Sense,
-    pub(super) guard: Guard,
+    pub(super) guard: SampleGuard,
     pub(super) plausibility: Plausibility,
     pub(super) trim: Trim,
     pub(super) force: ForceLoop,
     pub(super) rig: RigEstimate,
     pub(super) forecast: ForecastCache,
     pub(super) blocks: BlockHealth,
-    pub(super) seen: Seen,
+    pub(super) seen: LastSamples,
     pub(super) limits: LimitReport,
     pub(super) off_watch: OffWatch,
 }
 
 /// What the samples have shown last.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct LastSamples {
     pub strobe: Option<Strobe>,
     pub regime: Regime,
     pub basin: BasinTracker,
@@ -75,7 +75,7 @@ pub(super) struct Seen {
     pub clean: u8,
 }
 
-impl Seen {
+impl LastSamples {
     const NOTHING: Self = Self {
         strobe: None,
         regime: Regime::None,
@@ -109,21 +109,21 @@ impl Controller {
     }
 
     /// A controller with settings that were checked, nothing requested.
-    fn with(settings: &Settings, oscillator: Oscillator, life: Lifetime) -> Self {
+    fn with(settings: &Settings, oscillator: DriveOscillator, life: Lifetime) -> Self {
         Self {
             life,
             settings: *settings,
             sensed_drive: *oscillator.drive(),
             oscillator,
             sense: Sense::new(settings),
-            guard: Guard::new(settings),
+            guard: SampleGuard::new(settings),
             plausibility: Plausibility::new(settings),
             trim: Trim::new(settings),
             force: ForceLoop::of(settings),
             rig: RigEstimate::new(settings),
             forecast: ForecastCache::default(),
             blocks: BlockHealth::default(),
-            seen: Seen::NOTHING,
+            seen: LastSamples::NOTHING,
             limits: LimitReport::default(),
             off_watch: OffWatch::new(settings),
         }
@@ -280,7 +280,7 @@ impl Controller {
 
     /// The present or last fault.
     #[inline]
-    pub fn fault(&self) -> Option<&Record> {
+    pub fn fault(&self) -> Option<&FaultRecord> {
         self.life.faults.record.as_ref()
     }
 
@@ -370,9 +370,9 @@ impl Controller {
 }
 
 /// The oscillator of settings, which are checked.
-fn oscillator_of(settings: &Settings) -> Result<Oscillator, ParamError> {
+fn oscillator_of(settings: &Settings) -> Result<DriveOscillator, ParamError> {
     settings.check()?;
-    Oscillator::new(&settings.drive, start_frequency(settings)).map_err(|_| ParamError {
+    DriveOscillator::new(&settings.drive, start_frequency(settings)).map_err(|_| ParamError {
         key: "limits.max_frequency_hz",
         value: f64::from(settings.limits.max_frequency_hz),
         must_be: "a frequency the control tick can make",

@@ -4,7 +4,7 @@ use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
 use super::{ActiveLimits, Basin, State};
-use crate::fault::Record;
+use crate::fault::FaultRecord;
 
 /// Events that can wait to be taken.
 pub const EVENT_CAPACITY: usize = 16;
@@ -20,7 +20,7 @@ pub enum EventKind {
         to: State,
     },
     /// A fault tripped, or was there from the start.
-    Fault(Record),
+    Fault(FaultRecord),
     /// A fault was cleared.
     Cleared,
     /// A forecast was delivered: its target, Hz and N; 0 without a stable 1/1 in the range.

@@ -154,7 +154,7 @@ impl ForecastCache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forecast::{Orbit, Row};
+    use crate::forecast::{ForecastOrbit, ForecastRow};
     use crate::model::params::WIRES;
 
     /// A forecast whose rows strike or do not.
@@ -169,7 +169,7 @@ mod tests {
             } else {
                 Regime::None
             };
-            let row = Row {
+            let row = ForecastRow {
                 frequency_hz,
                 regime,
                 force_n: if strikes { 80.0 } else { 0.0 },
@@ -179,7 +179,7 @@ mod tests {
         }
         forecast.target = Some(Target {
             frequency_hz: 3.7,
-            orbit: Orbit {
+            orbit: ForecastOrbit {
                 force_n: 80.0,
                 impulse_n_s: 0.03,
                 approach_m_per_s: 0.08,

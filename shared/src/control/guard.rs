@@ -125,7 +125,7 @@ impl<const OVER: u8> ChannelMonitor<OVER> {
 
 /// The checks of a tick's samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Guard {
+pub struct SampleGuard {
     force_channel: Channel,
     hammer_channel: Channel,
     cart_channel: Channel,
@@ -139,7 +139,7 @@ pub struct Guard {
     force_is_live: bool,
 }
 
-impl Guard {
+impl SampleGuard {
     /// Checks with the trip levels of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {

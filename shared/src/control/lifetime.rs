@@ -4,7 +4,7 @@ use super::event::{EventKind, Events};
 use super::operator::Operator;
 use super::phase::Phase;
 use super::{BootInfo, ResetCause, State};
-use crate::fault::{Fault, FaultSet, Record};
+use crate::fault::{Fault, FaultRecord, FaultSet};
 use crate::settings::ticks_of;
 
 /// What lives as long as the controller: everything else is made from the settings.
@@ -61,7 +61,7 @@ impl Lifetime {
 /// for a link that is heard again after nothing but a link timeout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Faults {
-    pub record: Option<Record>,
+    pub record: Option<FaultRecord>,
     /// Conditions that tripped in the last block.
     standing: FaultSet,
     /// Whether a whole block of samples has shown no condition since the last one.
@@ -121,7 +121,7 @@ impl Faults {
     }
 
     /// Adds a fault to the episode, or begins one. Whether it is the first of its number in it.
-    pub fn add(&mut self, new: Record) -> bool {
+    pub fn add(&mut self, new: FaultRecord) -> bool {
         let known = self.record.is_some_and(|record| {
             // A sensor that went beyond its trip level and on to its rail has said one thing, not two.
             let beyond = matches!(record.fault, Fault::OverForce | Fault::OverTravel);
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn an_episode_names_each_fault_once_and_a_sensor_on_its_way_to_the_rail_once() {
         use crate::fault::Origin;
-        let record = |fault, origin| Record::new(fault, origin, 7, 400.0, 3.6);
+        let record = |fault, origin| FaultRecord::new(fault, origin, 7, 400.0, 3.6);
         let mut faults = Faults::default();
         assert!(faults.add(record(Fault::OverForce, Origin::Force)));
         assert!(!faults.add(record(Fault::OverForce, Origin::Force)));

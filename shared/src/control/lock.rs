@@ -7,7 +7,7 @@
 //! the frequency, and from which side. The field calls control by this phase autoresonant (Babitsky et al., Mechatronics
 //! 14, 2004, p. 91).
 //!
-//! The phase wanted is that of the forecast's target ([`crate::forecast::Orbit::onset_turns`]), corrected by what rare
+//! The phase wanted is that of the forecast's target ([`crate::forecast::ForecastOrbit::onset_turns`]), corrected by what rare
 //! climbs find ([`super::probe`]) and, for some time after 1/1 was lost or doubled, moved towards the safe side.
 
 /// Share of the phase error that each contact corrects.

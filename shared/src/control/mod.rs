@@ -53,7 +53,7 @@ pub use unfit::Unfit;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::Record;
+use crate::fault::FaultRecord;
 use crate::model::regime::Regime;
 
 /// Samples in a block at most.
@@ -162,7 +162,7 @@ pub struct Status {
     /// What the controller is doing.
     pub state: State,
     /// The present or last fault; survives a reset.
-    pub fault: Option<Record>,
+    pub fault: Option<FaultRecord>,
     /// Limits that clamp now.
     pub limits: ActiveLimits,
     /// Drive frequency, Hz.
@@ -241,7 +241,7 @@ pub struct BootInfo {
     /// Why the board started.
     pub reset: ResetCause,
     /// The fault record that survived the reset.
-    pub record: Option<Record>,
+    pub record: Option<FaultRecord>,
     /// Where the settings come from.
     pub settings: SettingsState,
     /// Why the board is not fit to drive a rig. It stays so until it is started again.

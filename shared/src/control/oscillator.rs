@@ -8,7 +8,7 @@ use crate::settings::{DriveKind, DriveSettings, TICK_S};
 ///
 /// Frequency and amplitude move once per block, so that a tick is one rotation of the phasor.
 #[derive(Clone, Copy, Debug)]
-pub struct Oscillator {
+pub struct DriveOscillator {
     drive: Drive<f32>,
     settings: DriveSettings,
     codes_per_m: f32,
@@ -18,7 +18,7 @@ pub struct Oscillator {
     amplitude_goal_m: f32,
 }
 
-impl Oscillator {
+impl DriveOscillator {
     /// At `frequency_hz`, amplitude 0, phase 0.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ mod tests {
         settings.trips.cart_m = 1.002 * most_m;
         assert_eq!(settings.check().unwrap_err().key, "limits.amplitude_m");
         // And whatever is commanded, the codes keep within it.
-        let mut oscillator = Oscillator::new(&settings.drive, 3.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings.drive, 3.0).unwrap();
         oscillator.aim_amplitude(1.2 * most_m);
         let mut furthest = (2048, 2048);
         for _ in 0..20_000 {
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn set_points_have_no_step_while_frequency_and_amplitude_move() {
         let settings = Settings::for_rig(&WIRES);
-        let mut oscillator = Oscillator::new(&settings.drive, 2.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings.drive, 2.0).unwrap();
         oscillator.aim(4.0);
         oscillator.aim_amplitude(0.89e-3);
         let mut last = DacCode::MIDDLE;
@@ -215,7 +215,7 @@ mod tests {
     fn a_motor_gets_a_frequency_and_no_set_point() {
         let mut settings = Settings::for_rig(&WIRES).drive;
         settings.kind = DriveKind::Motor;
-        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings, 3.0).unwrap();
         oscillator.aim_amplitude(1e-3);
         oscillator.slew(10);
         let output = oscillator.next();
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn nan_and_infinity_are_ignored() {
         let settings = Settings::for_rig(&WIRES).drive;
-        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings, 3.0).unwrap();
         oscillator.aim(f32::NAN);
         oscillator.aim_amplitude(f32::INFINITY);
         oscillator.slew(10);
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn frequency_and_amplitude_move_at_their_rates_and_stop_at_their_goals() {
         let settings = Settings::for_rig(&WIRES).drive;
-        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings, 3.0).unwrap();
         let block_s = 40.0 * TICK_S as f32;
         let (hz, m) = (
             settings.frequency_slew_hz_per_s * block_s,
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn a_frequency_that_the_drive_refuses_changes_nothing() {
         let settings = Settings::for_rig(&WIRES).drive;
-        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings, 3.0).unwrap();
         oscillator.jump(1e6);
         assert_eq!(oscillator.frequency_hz(), 3.0);
         assert!((oscillator.amplitude_has_arrived() && oscillator.frequency_has_arrived()));
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn set_points_are_the_sine_in_codes_about_the_middle() {
         let settings = Settings::for_rig(&WIRES).drive;
-        let mut oscillator = Oscillator::new(&settings, 20.0).unwrap();
+        let mut oscillator = DriveOscillator::new(&settings, 20.0).unwrap();
         let amplitude_m = 0.5e-3;
         oscillator.aim_amplitude(amplitude_m);
         for _ in 0..200 {

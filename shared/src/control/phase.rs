@@ -16,7 +16,7 @@ const SOUGHT: f32 = 2.0;
 pub(super) enum Phase {
     #[default]
     Idle,
-    SelfTest(Start),
+    SelfTest(SelfTestStart),
     /// The small motion that proves the sensors, then waiting for the forecast.
     Prove(Proof),
     /// The amplitude rises; then the search takes over, or manual set-points without one.
@@ -86,7 +86,7 @@ impl Phase {
 
 /// A start: the self test, and who is to choose the frequency after it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
+pub(super) struct SelfTestStart {
     pub mode: Mode,
     pub test: SelfTest,
 }
@@ -141,11 +141,11 @@ impl Seeking {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forecast::{Orbit, Target};
+    use crate::forecast::{ForecastOrbit, Target};
 
     #[test]
     fn one_one_that_does_not_come_back_is_missed_after_the_limit() {
-        let orbit = Orbit {
+        let orbit = ForecastOrbit {
             force_n: 96.0,
             impulse_n_s: 0.031,
             approach_m_per_s: 0.08,

@@ -122,10 +122,10 @@ mod tests {
     use super::*;
     use crate::model::cart::ASSUMED_SHAKER;
     use crate::model::params::WIRES;
-    use crate::sense::identification::Estimate;
+    use crate::sense::identification::OnlineEstimate;
 
     fn found(natural: Option<(f32, f32)>, gap: Option<(f32, f32)>) -> Estimates {
-        let estimate = |(value, sigma)| Estimate {
+        let estimate = |(value, sigma)| OnlineEstimate {
             value,
             sigma,
             samples: 50,

@@ -6,7 +6,7 @@ use super::guard::Trip;
 use super::phase::Phase;
 use super::plausibility::Doubt;
 use super::proof::Proven;
-use super::search::{Beat, Step};
+use super::search::{Beat, SearchStep};
 use super::trim::Way;
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
@@ -334,8 +334,8 @@ impl Controller {
         let feed = ActiveLimits::FEED.when(self.rig.is_out_of_reach());
         self.limits.active = self.trim.limits() | ActiveLimits::FREQUENCY.when(at_bound) | feed;
         match step {
-            Step::On => {}
-            Step::Best {
+            SearchStep::On => {}
+            SearchStep::Best {
                 frequency_hz,
                 impulse_n_s,
                 found,
@@ -348,8 +348,10 @@ impl Controller {
                     self.change(Phase::Hold(seeking));
                 }
             }
-            Step::Doubling(frequency_hz) => self.life.push(EventKind::Doubling { frequency_hz }),
-            Step::Lost => {
+            SearchStep::Doubling(frequency_hz) => {
+                self.life.push(EventKind::Doubling { frequency_hz })
+            }
+            SearchStep::Lost => {
                 self.life.reseeks = self.life.reseeks.saturating_add(1);
                 self.life.push(EventKind::RegimeLost);
                 if self.life.is_in(State::Hold) {

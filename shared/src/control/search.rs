@@ -96,7 +96,7 @@ impl Beat {
 
 /// The effect of a drive period on the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum SearchStep {
     /// Nothing to report.
     On,
     /// The best frequency is found (`found`: Seek is over with it) or corrected by a climb.
@@ -192,7 +192,7 @@ impl Search {
     }
 
     /// A drive period has ended at `frequency_hz`; `arrived`: at the goal frequency.
-    pub fn strobe(&mut self, beat: &Beat, frequency_hz: f32, arrived: bool) -> Step {
+    pub fn strobe(&mut self, beat: &Beat, frequency_hz: f32, arrived: bool) -> SearchStep {
         if let SearchLeg::Entry {
             periods,
             one_one,
@@ -200,7 +200,7 @@ impl Search {
         } = self.leg
         {
             self.at_entry(beat, arrived, (periods, one_one, rate));
-            return Step::On;
+            return SearchStep::On;
         }
         let good = beat.contacts == 1;
         self.bad = if good {
@@ -212,13 +212,13 @@ impl Search {
             return self.mark_lost();
         }
         if !good {
-            return Step::On;
+            return SearchStep::On;
         }
         self.lock.pass();
         self.good = self.good.saturating_add(1);
         if self.has_doubled(beat.regime) {
             self.lock.retreat();
-            return Step::Doubling(frequency_hz);
+            return SearchStep::Doubling(frequency_hz);
         }
         self.follow(beat, frequency_hz)
     }
@@ -251,9 +251,9 @@ impl Search {
     }
 
     /// A contact of 1/1 whose phase corrects the frequency.
-    fn follow(&mut self, beat: &Beat, frequency_hz: f32) -> Step {
-        let mut step = Step::On;
-        let best = |found| Step::Best {
+    fn follow(&mut self, beat: &Beat, frequency_hz: f32) -> SearchStep {
+        let mut step = SearchStep::On;
+        let best = |found| SearchStep::Best {
             frequency_hz,
             impulse_n_s: beat.impulse_n_s,
             found,
@@ -310,7 +310,7 @@ impl Search {
         believed
     }
 
-    fn mark_lost(&mut self) -> Step {
+    fn mark_lost(&mut self) -> SearchStep {
         if self.good < AGAIN_PERIODS {
             self.lock.retreat();
         }
@@ -318,7 +318,7 @@ impl Search {
         self.bad = 0;
         self.lock.lose();
         self.enter();
-        Step::Lost
+        SearchStep::Lost
     }
 }
 

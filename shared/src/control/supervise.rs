@@ -7,13 +7,13 @@ use super::event::EventKind;
 use super::force::ForceLoop;
 use super::guard::Trip;
 use super::lifetime::Remote;
-use super::phase::{Phase, Seeking, Start};
+use super::phase::{Phase, Seeking, SelfTestStart};
 use super::proof::Proof;
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
 use super::{ActiveLimits, Mode, Refused, SettingsState, State};
-use crate::fault::{Fault, Record};
+use crate::fault::{Fault, FaultRecord};
 use crate::settings::{DriveKind, strong_force_n, ticks_of};
 
 /// How long a start waits for the forecast after the sensors are proven, s.
@@ -220,7 +220,7 @@ impl Controller {
         self.sense.reset();
         self.rig.identification.reset();
         let test = SelfTest::new(&self.settings);
-        self.change(Phase::SelfTest(Start { mode, test }));
+        self.change(Phase::SelfTest(SelfTestStart { mode, test }));
         Ok(())
     }
 
@@ -353,7 +353,7 @@ impl Controller {
             value,
         } = trip;
         let hz = self.oscillator.frequency_hz();
-        let record = Record::new(fault, origin, self.life.tick, value, hz);
+        let record = FaultRecord::new(fault, origin, self.life.tick, value, hz);
         if self.life.faults.add(record) {
             let episode = self
                 .life
@@ -361,7 +361,7 @@ impl Controller {
                 .record
                 .map_or(record.episode, |r| r.episode);
             self.life
-                .push(EventKind::Fault(Record { episode, ..record }));
+                .push(EventKind::Fault(FaultRecord { episode, ..record }));
         }
     }
 

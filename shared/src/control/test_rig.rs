@@ -3,7 +3,7 @@
 use std::vec::Vec;
 
 use super::{BootInfo, Command, Controller, EventKind, Mode, State};
-use crate::forecast::{Forecast, Orbit, Row, Target};
+use crate::forecast::{Forecast, ForecastOrbit, ForecastRow, Target};
 use crate::io::{AdcCode, Frame, Output};
 use crate::model::params::WIRES;
 use crate::model::regime::Regime;
@@ -13,7 +13,7 @@ use crate::settings::Settings;
 pub fn target(entry_hz: f32) -> Target {
     Target {
         frequency_hz: 3.6,
-        orbit: Orbit {
+        orbit: ForecastOrbit {
             force_n: 96.0,
             impulse_n_s: 0.031,
             approach_m_per_s: 0.08,
@@ -27,7 +27,7 @@ pub fn target(entry_hz: f32) -> Target {
     }
 }
 
-pub struct Rig {
+pub struct TestRig {
     pub controller: Controller,
     pub outputs: [Output; 10],
     pub chain_open: bool,
@@ -38,7 +38,7 @@ pub struct Rig {
     random: u32,
 }
 
-impl Rig {
+impl TestRig {
     pub fn with(change: impl FnOnce(&mut Settings)) -> Self {
         let mut settings = Settings::for_rig(&WIRES);
         change(&mut settings);
@@ -94,7 +94,7 @@ impl Rig {
             .controller
             .forecast_request()
             .expect("one is asked for");
-        let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| Row {
+        let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| ForecastRow {
             frequency_hz,
             regime: if strikes_n > 0.0 {
                 Regime::Aperiodic { impacts: 1 }

@@ -4,12 +4,12 @@
 //! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
 //! above. Then the strongest stretch of stable 1/1 is followed to its ends, and its strongest orbit found.
 
-use super::march::{ForecastModel, Section};
-use super::refine::{Known, Peak, RangeEnd, between, on_line};
+use super::march::{ForecastModel, ForecastSection};
+use super::refine::{OrbitAtFrequency, Peak, RangeEnd, between, on_line};
 use super::settle::{Settle, Settled};
-use super::shoot::{Progress, Shoot, Solution};
+use super::shoot::{Shoot, Shooting, Solution};
 use super::stable_range::StableRange;
-use super::{Forecast, ForecastRequest, MAX_ROWS, Row};
+use super::{Forecast, ForecastRequest, ForecastRow, MAX_ROWS};
 use crate::model::regime::Regime;
 
 /// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
@@ -22,7 +22,7 @@ enum Run {
     /// From rest at a frequency, to be set up in the next slice.
     ToSettle(f32),
     /// Shooting at a frequency from a guess, to be set up in the next slice.
-    ToShoot(f32, Section),
+    ToShoot(f32, ForecastSection),
     Settle(Settle),
     Shoot(Shoot, f32),
 }
@@ -61,7 +61,7 @@ pub struct Forecaster {
     pub(super) model: Option<ForecastModel>,
     pub(super) forecast: Forecast,
     /// Section points of the rows' orbits, where there is one.
-    sections: [Section; MAX_ROWS],
+    sections: [ForecastSection; MAX_ROWS],
     settled: Option<Settled>,
     pub(super) stable_range: StableRange,
     pub(super) stage: Stage,
@@ -143,12 +143,12 @@ impl Forecaster {
                 let hz = *hz;
                 let progress = match &self.model {
                     Some(model) => run.step(model),
-                    None => Progress::Lost,
+                    None => Shooting::Lost,
                 };
                 match progress {
-                    Progress::Working => {}
-                    Progress::Found(solution) => self.shot(hz, Some(solution)),
-                    Progress::Lost => self.shot(hz, None),
+                    Shooting::Working => {}
+                    Shooting::Found(solution) => self.shot(hz, Some(solution)),
+                    Shooting::Lost => self.shot(hz, None),
                 }
             }
         }
@@ -170,9 +170,9 @@ impl Forecaster {
     }
 
     /// The 1/1 of a row.
-    pub(super) fn known(&self, row: usize) -> Option<Known> {
+    pub(super) fn known(&self, row: usize) -> Option<OrbitAtFrequency> {
         let found = self.forecast.rows.get(row)?;
-        Some(Known {
+        Some(OrbitAtFrequency {
             hz: found.frequency_hz,
             solution: Solution {
                 section: *self.sections.get(row)?,
@@ -182,7 +182,7 @@ impl Forecaster {
         })
     }
 
-    pub(super) fn stable(&self, row: usize) -> Option<Known> {
+    pub(super) fn stable(&self, row: usize) -> Option<OrbitAtFrequency> {
         self.known(row)
             .filter(|known| known.solution.is_stable_one_one())
     }
@@ -197,7 +197,7 @@ impl Forecaster {
         self.run = Run::ToSettle(hz);
     }
 
-    pub(super) fn shoot_at(&mut self, hz: f32, guess: Section) {
+    pub(super) fn shoot_at(&mut self, hz: f32, guess: ForecastSection) {
         self.run = Run::ToShoot(hz, guess);
     }
 
@@ -211,7 +211,7 @@ impl Forecaster {
         match self.stage {
             Stage::Rest(row) => {
                 let frequency_hz = self.row_hz(row);
-                let full = self.forecast.rows.push(Row {
+                let full = self.forecast.rows.push(ForecastRow {
                     frequency_hz,
                     regime: settled.regime,
                     force_n: settled.force_n,
@@ -244,7 +244,7 @@ impl Forecaster {
 
     /// The guesses on the way up: what rest settled to if that is 1/1; the rows before; the middle of a
     /// doubled orbit.
-    fn upward_guess(&self, row: usize, n: u8, hz: f32) -> Option<Section> {
+    fn upward_guess(&self, row: usize, n: u8, hz: f32) -> Option<ForecastSection> {
         let settled = self.settled?;
         let before = row.checked_sub(1).and_then(|row| self.known(row));
         match n {
@@ -342,7 +342,7 @@ impl Forecaster {
     }
 
     /// Gives a row without an orbit, or with another, the orbit found beside it.
-    pub(super) fn put_orbit(&mut self, index: usize, known: &Known) {
+    pub(super) fn put_orbit(&mut self, index: usize, known: &OrbitAtFrequency) {
         let row = self.forecast.rows.get_mut(index);
         if let (Some(row), Some(section)) = (row, self.sections.get_mut(index)) {
             row.orbit = Some(known.solution.orbit);

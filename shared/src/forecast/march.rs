@@ -19,9 +19,9 @@ use crate::model::contact::Law;
 use crate::model::contacts::{Ledger, Period};
 use crate::model::drive::{Drive, Stamp};
 use crate::model::params::{ParamError, RigParams};
-use crate::model::rig::{Mode, Rig};
+use crate::model::rig::{Rig, SwitchMode};
 use crate::model::scalar::Real;
-use crate::model::step::{Corrected, Location, Span, State, piece};
+use crate::model::step::{Corrected, HammerState, Location, Span, piece};
 use crate::model::tangent::Tangent;
 
 /// Steps per drive period in flight.
@@ -65,7 +65,7 @@ const LOCATION: Location = Location {
 };
 
 /// A point of the section: coordinate and rate of the hammer, deviation of the cart from its course and its rate.
-pub type Section = [f32; 4];
+pub type ForecastSection = [f32; 4];
 
 /// λ, 1/s: the faster of the contact's oscillation, v/δ_max of a typical contact (√(ki/m) for the linear
 /// spring), and its damper's decay ci/m, m being [`RigParams::contact_mass_kg`].
@@ -146,7 +146,7 @@ pub struct Setup {
     /// The cart, if it recoils.
     pub cart: Option<Cart<f32>>,
     /// Units of the section: A0 and A0 Ω in the coordinate's units, and in m and m/s.
-    pub units: Section,
+    pub units: ForecastSection,
     /// Steps per drive period at most that a cart that recoils adds.
     pub ringing_steps: u16,
     /// First and longest step in contact, as fractions of the tick.
@@ -260,7 +260,7 @@ impl Lead {
 pub struct March {
     setup: Setup,
     drive: Drive<f32>,
-    state: State<f32>,
+    state: HammerState<f32>,
     /// Where in the tick.
     at: f32,
     /// Length of the next step, in ticks.
@@ -277,15 +277,15 @@ pub struct March {
 
 impl March {
     /// Starts at `section` at drive phase 0.
-    pub fn new(setup: &Setup, section: Section) -> Self {
+    pub fn new(setup: &Setup, section: ForecastSection) -> Self {
         let [q, v, e, w] = section;
-        let state = State {
+        let state = HammerState {
             cart: [e, w],
-            ..State::new(&setup.rig, q, v)
+            ..HammerState::new(&setup.rig, q, v)
         };
         let mut ledger = Ledger::default();
         let mut stride = setup.flight_steps.0;
-        if state.mode == Mode::Contact {
+        if state.mode == SwitchMode::Contact {
             ledger.resume(setup.drive.now(), state.approach);
             stride = setup.contact_steps.0;
         }
@@ -309,13 +309,13 @@ impl March {
     }
 
     /// Hammer and cart now.
-    pub fn section(&self) -> Section {
+    pub fn section(&self) -> ForecastSection {
         let [e, w] = self.state.cart;
         [self.state.q.hi, self.state.v.hi, e, w]
     }
 
     /// The same, and it finds [`Self::lead_turns`].
-    pub fn with_lead(setup: &Setup, section: Section) -> Self {
+    pub fn with_lead(setup: &Setup, section: ForecastSection) -> Self {
         Self {
             lead: setup.cart.map(|_| Lead::default()),
             ..Self::new(setup, section)
@@ -362,7 +362,7 @@ impl March {
             let ends = (self.state.cart, leg.moved.state.cart);
             lead.add(&self.drive, (from, leg.at), ends);
         }
-        if self.state.mode == Mode::Contact {
+        if self.state.mode == SwitchMode::Contact {
             let piece = piece(rig, &span, (from, leg.at), &self.state, &leg.moved);
             self.latest.impulse_n_s += piece.impulse;
             self.ledger.add(&piece);
@@ -373,18 +373,18 @@ impl March {
             let stamp = span.stamp(leg.at);
             match self.state.mode {
                 // Moving away, with F near zero, where rounding decides: still the same contact.
-                Mode::Flight if self.setup.nonlinear && rate < 0.0 => {
-                    self.state.mode = Mode::Contact;
+                SwitchMode::Flight if self.setup.nonlinear && rate < 0.0 => {
+                    self.state.mode = SwitchMode::Contact;
                     self.ledger.resume(stamp, self.state.approach);
                 }
-                Mode::Flight => {
-                    self.state.mode = Mode::Contact;
+                SwitchMode::Flight => {
+                    self.state.mode = SwitchMode::Contact;
                     self.state.approach = rate;
                     self.latest.onset = Some((stamp, rate));
                     self.ledger.onset(stamp, rate);
                 }
-                Mode::Contact => {
-                    self.state.mode = Mode::Flight;
+                SwitchMode::Contact => {
+                    self.state.mode = SwitchMode::Flight;
                     self.ledger.release(stamp, rate);
                 }
             }
@@ -407,13 +407,13 @@ impl March {
 
     fn choose_stride(&mut self, switched: bool) {
         let (mut first, longest) = self.setup.contact_steps;
-        if self.setup.nonlinear && self.state.mode == Mode::Contact {
+        if self.setup.nonlinear && self.state.mode == SwitchMode::Contact {
             first = self.half_the_depth(first);
         }
         if switched {
             self.stride = first;
             self.steps_in_contact = 0;
-        } else if self.state.mode == Mode::Flight {
+        } else if self.state.mode == SwitchMode::Flight {
             let (slow_from, longest) = self.setup.flight_steps;
             self.stride = if self.stride < slow_from {
                 Real::min(2.0 * self.stride, slow_from)

@@ -54,7 +54,7 @@ impl ForecastRequest {
 
 /// The 1/1 orbit at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Orbit {
+pub struct ForecastOrbit {
     /// Peak contact force, N.
     pub force_n: f32,
     /// Impulse of the contact, N·s.
@@ -69,7 +69,7 @@ pub struct Orbit {
     pub doubling_test: f32,
 }
 
-impl Orbit {
+impl ForecastOrbit {
     /// Whether it attracts.
     pub fn is_stable(&self) -> bool {
         self.multiplier < 1.0
@@ -78,7 +78,7 @@ impl Orbit {
 
 /// One frequency of the forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct ForecastRow {
     /// Drive frequency, Hz.
     pub frequency_hz: f32,
     /// Regime that a start from rest settles to.
@@ -86,7 +86,7 @@ pub struct Row {
     /// Peak force from rest over the recorded periods, N.
     pub force_n: f32,
     /// The 1/1 orbit, if there is an admissible one (one contact per period, no other touch).
-    pub orbit: Option<Orbit>,
+    pub orbit: Option<ForecastOrbit>,
 }
 
 /// The frequency to run at.
@@ -95,7 +95,7 @@ pub struct Target {
     /// The strongest stable 1/1, Hz.
     pub frequency_hz: f32,
     /// Its orbit.
-    pub orbit: Orbit,
+    pub orbit: ForecastOrbit,
     /// Lower and upper end of the stable 1/1 around it, Hz (within the range asked for).
     pub band_hz: (f32, f32),
     /// Where the period doubles, Hz, if the upper end is a doubling (a multiplier at −1).
@@ -111,7 +111,7 @@ pub struct Forecast {
     /// [`ForecastRequest::id`].
     pub id: u32,
     /// By rising frequency.
-    pub rows: Vec<Row, MAX_ROWS>,
+    pub rows: Vec<ForecastRow, MAX_ROWS>,
     /// The frequency to run at; `None` without a stable 1/1.
     pub target: Option<Target>,
 }
@@ -162,7 +162,7 @@ impl Digest {
         self.word(regime.periods().map_or(0, u32::from));
     }
 
-    fn orbit(&mut self, orbit: Option<&Orbit>) {
+    fn orbit(&mut self, orbit: Option<&ForecastOrbit>) {
         let Some(orbit) = orbit else {
             return self.word(0);
         };

@@ -1,20 +1,20 @@
 //! The derivative of the return map over one period: of the hammer alone, or of hammer and cart.
 
-use super::march::Section;
+use super::march::ForecastSection;
 
 /// Squarings of the matrix until only its largest multiplier is left: ‖M^n‖^(1/n) is then within 1e-5 of it.
 const SQUARINGS: u8 = 18;
 
 /// The matrix, row by row, in units of A0 and A0 Ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Monodromy {
+pub enum ForecastMonodromy {
     /// A prescribed cart: coordinate and rate of the hammer.
     Hammer([[f32; 2]; 2]),
     /// A cart that recoils: the same, and the cart's deviation and its rate.
     Both([[f32; 4]; 4]),
 }
 
-impl Monodromy {
+impl ForecastMonodromy {
     /// Whether every number in it is one.
     pub fn is_finite(&self) -> bool {
         match self {
@@ -48,7 +48,7 @@ impl Monodromy {
     }
 
     /// The step to where the linearised map does not miss: (I − M) step = `miss`. Not finite where there is none.
-    pub fn newton_step(&self, miss: Section) -> Section {
+    pub fn newton_step(&self, miss: ForecastSection) -> ForecastSection {
         match self {
             Self::Hammer([[a, b], [c, d]]) => {
                 let [m0, m1, ..] = miss;
@@ -111,7 +111,7 @@ fn minors([a0, a1, a2, a3]: [f32; 4], [b0, b1, b2, b3]: [f32; 4]) -> [f32; 6] {
 }
 
 /// The solution of `rows` x = `right` by the adjugate.
-fn solve(rows: &Rows, right: Section) -> Section {
+fn solve(rows: &Rows, right: ForecastSection) -> ForecastSection {
     let by_two = Minors::of(rows);
     let det = by_two.determinant();
     let ([s0, s1, s2, s3, s4, s5], [c0, c1, c2, c3, c4, c5]) = (by_two.upper, by_two.lower);
@@ -227,7 +227,7 @@ mod tests {
     fn multiplier_doubling_and_step_are_those_of_the_matrix() {
         for rows in examples() {
             let exact = matrix(&rows);
-            let found = Monodromy::Both(rows);
+            let found = ForecastMonodromy::Both(rows);
             let radius = exact
                 .complex_eigenvalues()
                 .iter()
@@ -265,7 +265,10 @@ mod tests {
             [0.0; 4],
             [0.0; 4],
         ];
-        let (alone, both) = (Monodromy::Hammer(hammer), Monodromy::Both(both));
+        let (alone, both) = (
+            ForecastMonodromy::Hammer(hammer),
+            ForecastMonodromy::Both(both),
+        );
         assert!((alone.multiplier() - both.multiplier()).abs() < 1e-5);
         assert!((alone.doubling_test() - both.doubling_test()).abs() < 1e-6);
         let miss = [0.1, 0.2, 0.0, 0.0];
@@ -281,10 +284,10 @@ mod tests {
     #[test]
     fn what_is_no_number_is_not_finite_and_nothing_has_no_multiplier() {
         let mut rows = [[0.1; 4]; 4];
-        assert!(Monodromy::Both(rows).is_finite());
+        assert!(ForecastMonodromy::Both(rows).is_finite());
         rows[2][3] = f32::NAN;
-        assert!(!Monodromy::Both(rows).is_finite());
-        assert!(!Monodromy::Hammer([[f32::INFINITY, 0.0], [0.0; 2]]).is_finite());
-        assert_eq!(Monodromy::Both([[0.0; 4]; 4]).multiplier(), 0.0);
+        assert!(!ForecastMonodromy::Both(rows).is_finite());
+        assert!(!ForecastMonodromy::Hammer([[f32::INFINITY, 0.0], [0.0; 2]]).is_finite());
+        assert_eq!(ForecastMonodromy::Both([[0.0; 4]; 4]).multiplier(), 0.0);
     }
 }

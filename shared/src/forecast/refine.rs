@@ -2,20 +2,20 @@
 //!
 //! Both searches give the frequency of the next orbit, and take the orbit found there.
 
-use super::march::Section;
+use super::march::ForecastSection;
 use super::shoot::Solution;
 
 /// An orbit and its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Known {
+pub struct OrbitAtFrequency {
     /// Drive frequency, Hz.
     pub hz: f32,
     /// The orbit.
     pub solution: Solution,
 }
 
-impl Known {
-    /// [`super::Orbit::doubling_test`].
+impl OrbitAtFrequency {
+    /// [`super::ForecastOrbit::doubling_test`].
     fn at_minus_one(&self) -> f32 {
         self.solution.orbit.doubling_test
     }
@@ -26,14 +26,14 @@ impl Known {
 }
 
 /// The section point at `hz` on the line through two orbits, beyond them too.
-pub fn on_line(a: &Known, b: &Known, hz: f32) -> Section {
+pub fn on_line(a: &OrbitAtFrequency, b: &OrbitAtFrequency, hz: f32) -> ForecastSection {
     let span = b.hz - a.hz;
     let share = if span == 0.0 { 0.0 } else { (hz - a.hz) / span };
     between(a.solution.section, b.solution.section, share)
 }
 
 /// The section point at a `share` of the way from `a` to `b`.
-pub fn between(a: Section, b: Section, share: f32) -> Section {
+pub fn between(a: ForecastSection, b: ForecastSection, share: f32) -> ForecastSection {
     let ([q0, v0, e0, w0], [q1, v1, e1, w1]) = (a, b);
     let at = |from: f32, to: f32| from + share * (to - from);
     [at(q0, q1), at(v0, v1), at(e0, e1), at(w0, w1)]
@@ -48,12 +48,12 @@ pub fn is_neighbour(a: &Solution, b: &Solution) -> bool {
 /// The search for an end of the stable 1/1, from a frequency inside to one beyond.
 #[derive(Clone, Copy, Debug)]
 pub struct RangeEnd {
-    inside: Known,
+    inside: OrbitAtFrequency,
     /// Another orbit farther inside, to extrapolate with.
-    behind: Option<Known>,
+    behind: Option<OrbitAtFrequency>,
     beyond_hz: f32,
     /// The orbit beyond, if it is a 1/1 past its doubling, with its weight in the false position.
-    beyond: Option<(Known, f32)>,
+    beyond: Option<(OrbitAtFrequency, f32)>,
     inside_weight: f32,
     iterations: u8,
 }
@@ -67,8 +67,8 @@ impl RangeEnd {
     /// Starts with an orbit `inside`, perhaps another one `behind` it, and a frequency beyond the end, with
     /// what was found there.
     pub fn new(
-        inside: Known,
-        behind: Option<Known>,
+        inside: OrbitAtFrequency,
+        behind: Option<OrbitAtFrequency>,
         beyond_hz: f32,
         beyond: Option<Solution>,
     ) -> Self {
@@ -85,7 +85,7 @@ impl RangeEnd {
     }
 
     /// The last stable 1/1 found.
-    pub fn inside(&self) -> Known {
+    pub fn inside(&self) -> OrbitAtFrequency {
         self.inside
     }
 
@@ -113,7 +113,7 @@ impl RangeEnd {
     }
 
     /// A guess of the section at `hz`.
-    pub fn guess(&self, hz: f32) -> Section {
+    pub fn guess(&self, hz: f32) -> ForecastSection {
         match (&self.beyond, &self.behind) {
             (Some((beyond, _)), _) => on_line(&self.inside, beyond, hz),
             (None, Some(behind)) => on_line(behind, &self.inside, hz),
@@ -128,7 +128,7 @@ impl RangeEnd {
         match found {
             Some(solution) if solution.is_stable_one_one() => {
                 self.behind = Some(self.inside);
-                self.inside = Known { hz, solution };
+                self.inside = OrbitAtFrequency { hz, solution };
                 // The same side twice: the false position leans to the other (Illinois).
                 self.inside_weight = 1.0;
                 if let Some((_, weight)) = &mut self.beyond {
@@ -146,7 +146,7 @@ impl RangeEnd {
         self.beyond_hz = hz;
         let doubled = found
             .filter(|s| s.onsets == 1)
-            .map(|solution| Known { hz, solution })
+            .map(|solution| OrbitAtFrequency { hz, solution })
             .filter(|known| known.at_minus_one() < 0.0);
         self.beyond = doubled.map(|known| (known, 1.0));
     }
@@ -173,9 +173,9 @@ impl RangeEnd {
 /// The search for the largest force between two orbits, through a third.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
-    low: Known,
-    top: Known,
-    high: Known,
+    low: OrbitAtFrequency,
+    top: OrbitAtFrequency,
+    high: OrbitAtFrequency,
     iterations: u8,
 }
 
@@ -187,7 +187,7 @@ const CLOSEST: f32 = 2e-3;
 
 impl Peak {
     /// Starts with three orbits by rising frequency.
-    pub fn new(low: Known, top: Known, high: Known) -> Self {
+    pub fn new(low: OrbitAtFrequency, top: OrbitAtFrequency, high: OrbitAtFrequency) -> Self {
         Self {
             low,
             top,
@@ -197,7 +197,7 @@ impl Peak {
     }
 
     /// The strongest orbit found.
-    pub fn best(&self) -> Known {
+    pub fn best(&self) -> OrbitAtFrequency {
         let mut best = self.top;
         for end in [self.low, self.high] {
             if end.force() > best.force() {
@@ -246,7 +246,7 @@ impl Peak {
     }
 
     /// A guess of the section at `hz`.
-    pub fn guess(&self, hz: f32) -> Section {
+    pub fn guess(&self, hz: f32) -> ForecastSection {
         if hz < self.top.hz {
             on_line(&self.low, &self.top, hz)
         } else {
@@ -264,11 +264,11 @@ impl Peak {
         };
         if self.best() == self.top && libm::fabsf(hz - self.top.hz) < CLOSEST * hz {
             // The parabola's top has come to rest: this is it.
-            self.top = Known { hz, solution };
+            self.top = OrbitAtFrequency { hz, solution };
             self.iterations = PEAK_ITERATIONS;
             return;
         }
-        let known = Known { hz, solution };
+        let known = OrbitAtFrequency { hz, solution };
         let below = hz < self.top.hz;
         // What is stronger becomes the top, and the top an end; what is weaker becomes an end.
         match (known.force() > self.top.force(), below) {

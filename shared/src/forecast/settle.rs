@@ -1,7 +1,7 @@
 //! The regime reached from rest at a frequency: the march until the section repeats, or until its budget of
 //! steps is spent.
 
-use super::march::{ForecastModel, March, MarchStep, Section, Setup};
+use super::march::{ForecastModel, ForecastSection, March, MarchStep, Setup};
 use crate::model::regime::{Detector, Regime};
 use crate::model::scalar::Real;
 
@@ -26,9 +26,9 @@ pub struct Settled {
     /// Largest force in it, N.
     pub force_n: f32,
     /// The section at the end.
-    pub section: Section,
+    pub section: ForecastSection,
     /// The section one period before.
-    pub before: Section,
+    pub before: ForecastSection,
 }
 
 /// The run.
@@ -39,8 +39,8 @@ pub struct Settle {
     periods: u16,
     steps: u32,
     force_n: f32,
-    before: Section,
-    last: Section,
+    before: ForecastSection,
+    last: ForecastSection,
 }
 
 impl Settle {

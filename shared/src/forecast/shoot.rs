@@ -1,9 +1,9 @@
 //! The 1/1 orbit at a frequency, stable or not: Newton's iteration on the section's return map, with the
 //! monodromy matrix that the [`Variation`] carries along.
 
-use super::Orbit;
-use super::march::{ForecastModel, March, MarchStep, Section, Setup};
-use super::monodromy::Monodromy;
+use super::ForecastOrbit;
+use super::march::{ForecastModel, ForecastSection, March, MarchStep, Setup};
+use super::monodromy::ForecastMonodromy;
 use super::variation::Variation;
 use crate::model::contacts::Period;
 use crate::model::drive::TURN;
@@ -33,16 +33,16 @@ const DEEP: f32 = 0.2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Where it lies on the section.
-    pub section: Section,
+    pub section: ForecastSection,
     /// Onsets in the period.
     pub onsets: u16,
     /// The orbit through it.
-    pub orbit: Orbit,
+    pub orbit: ForecastOrbit,
 }
 
 impl Solution {
     /// The orbit, if it is a 1/1: one contact in the period and no other touch.
-    pub fn one_one(&self) -> Option<Orbit> {
+    pub fn one_one(&self) -> Option<ForecastOrbit> {
         (self.onsets == 1).then_some(self.orbit)
     }
 
@@ -54,7 +54,7 @@ impl Solution {
 
 /// How the iteration stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress {
+pub enum Shooting {
     /// Not done.
     Working,
     /// A fixed point.
@@ -68,7 +68,7 @@ pub enum Progress {
 pub struct Shoot {
     march: March,
     variation: Variation,
-    start: Section,
+    start: ForecastSection,
     iteration: u8,
     steps: u16,
     /// A step of the march that the derivative has not followed yet.
@@ -77,7 +77,7 @@ pub struct Shoot {
 
 impl Shoot {
     /// Starts at `guess`. `None` if no drive can run at that frequency.
-    pub fn new(model: &ForecastModel, frequency_hz: f32, guess: Section) -> Option<Self> {
+    pub fn new(model: &ForecastModel, frequency_hz: f32, guess: ForecastSection) -> Option<Self> {
         let setup = Setup::new(model, frequency_hz)?;
         Some(Self {
             march: March::with_lead(&setup, guess),
@@ -90,23 +90,23 @@ impl Shoot {
     }
 
     /// One step of the march, or of the derivative that follows it. `model` is that of the start.
-    pub fn step(&mut self, model: &ForecastModel) -> Progress {
+    pub fn step(&mut self, model: &ForecastModel) -> Shooting {
         let Some(stretch) = self.ahead.take() else {
             if self.steps == 0 && !self.plausible() {
-                return Progress::Lost;
+                return Shooting::Lost;
             }
             self.ahead = Some(self.march.step());
             self.steps = self.steps.saturating_add(1);
-            return Progress::Working;
+            return Shooting::Working;
         };
         self.variation
             .follow(&model.tangent, self.march.setup(), &stretch);
         if stretch.period_ended {
             self.close(model)
         } else if self.steps >= MOST_STEPS.saturating_add(self.march.setup().ringing_steps) {
-            Progress::Lost
+            Shooting::Lost
         } else {
-            Progress::Working
+            Shooting::Working
         }
     }
 
@@ -118,13 +118,13 @@ impl Shoot {
     }
 
     /// A period has ended: the next guess, or the end.
-    fn close(&mut self, model: &ForecastModel) -> Progress {
+    fn close(&mut self, model: &ForecastModel) -> Shooting {
         let period = self.march.close_period();
         let units = self.march.setup().units;
         let miss = in_units(along(self.start, -1.0, self.march.section()), units).map(|x| -x);
         let monodromy = self.variation.monodromy(self.march.setup());
         if !monodromy.is_finite() || period.onsets > MOST_ONSETS {
-            return Progress::Lost;
+            return Shooting::Lost;
         }
         if largest(miss) < CLOSURE {
             return self.found(&period, &monodromy);
@@ -133,7 +133,7 @@ impl Shoot {
         let step = monodromy.newton_step(miss);
         let length = largest(step);
         if !length.is_finite() || self.iteration >= ITERATIONS {
-            return Progress::Lost;
+            return Shooting::Lost;
         }
         let damping = if length > LONGEST_STEP {
             LONGEST_STEP / length
@@ -146,16 +146,16 @@ impl Shoot {
         let setup = *self.march.setup();
         self.march = March::with_lead(&setup, self.start);
         self.variation.restart(&model.tangent, self.start);
-        Progress::Working
+        Shooting::Working
     }
 
-    fn found(&self, period: &Period<f32>, monodromy: &Monodromy) -> Progress {
+    fn found(&self, period: &Period<f32>, monodromy: &ForecastMonodromy) -> Shooting {
         let latest = self.march.latest_contact();
         let Some((onset, approach)) = latest.onset else {
             // A fixed point without contact.
-            return Progress::Lost;
+            return Shooting::Lost;
         };
-        let orbit = Orbit {
+        let orbit = ForecastOrbit {
             force_n: period.peak_force,
             impulse_n_s: latest.impulse_n_s,
             approach_m_per_s: approach,
@@ -165,9 +165,9 @@ impl Shoot {
         };
         let numbers = [orbit.force_n, orbit.impulse_n_s, orbit.onset_turns];
         if !numbers.into_iter().all(f32::is_finite) {
-            return Progress::Lost;
+            return Shooting::Lost;
         }
-        Progress::Found(Solution {
+        Shooting::Found(Solution {
             section: self.start,
             onsets: period.onsets,
             orbit,
@@ -176,17 +176,21 @@ impl Shoot {
 }
 
 /// The largest magnitude; NaN if a number is none.
-fn largest(x: Section) -> f32 {
+fn largest(x: ForecastSection) -> f32 {
     let sizes = x.map(libm::fabsf).into_iter();
     // No comparison with NaN holds: once it is the largest, it stays so.
     sizes.fold(0.0, |most, x| if x > most || x.is_nan() { x } else { most })
 }
 
 /// `from` + `by` · `step`.
-fn along([q, v, e, w]: Section, by: f32, [dq, dv, de, dw]: Section) -> Section {
+fn along(
+    [q, v, e, w]: ForecastSection,
+    by: f32,
+    [dq, dv, de, dw]: ForecastSection,
+) -> ForecastSection {
     [q + by * dq, v + by * dv, e + by * de, w + by * dw]
 }
 
-fn in_units([q, v, e, w]: Section, [a, b, c, d]: Section) -> Section {
+fn in_units([q, v, e, w]: ForecastSection, [a, b, c, d]: ForecastSection) -> ForecastSection {
     [q / a, v / b, e / c, w / d]
 }

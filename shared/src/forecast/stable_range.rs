@@ -3,7 +3,7 @@
 
 use super::Target;
 use super::forecaster::{Forecaster, Stage};
-use super::refine::{Known, Peak, RangeEnd, is_neighbour};
+use super::refine::{OrbitAtFrequency, Peak, RangeEnd, is_neighbour};
 use super::settle::Settled;
 use crate::model::regime::Regime;
 
@@ -12,8 +12,8 @@ use crate::model::regime::Regime;
 pub(super) struct StableRange {
     /// First, strongest and last row.
     rows: (usize, usize, usize),
-    low: Option<Known>,
-    high: Option<Known>,
+    low: Option<OrbitAtFrequency>,
+    high: Option<OrbitAtFrequency>,
     doubling_hz: Option<f32>,
 }
 
@@ -21,7 +21,7 @@ impl Forecaster {
     /// Chooses the strongest stable row and the stretch around it, and goes for its upper end.
     pub(super) fn begin_stable_range(&mut self) {
         let rows = self.forecast.rows.len();
-        let force = |known: &Known| known.solution.orbit.force_n;
+        let force = |known: &OrbitAtFrequency| known.solution.orbit.force_n;
         let mut top: Option<(usize, f32)> = None;
         for row in 0..rows {
             let Some(known) = self.stable(row) else {

@@ -9,49 +9,49 @@
 //! With such a cart the section has four directions, and a [`Tangent`] two: each step is then made twice, which costs
 //! hardly more than numbers with four derivatives would, in half the memory.
 
-use super::march::{MarchStep, Section, Setup};
-use super::monodromy::Monodromy;
+use super::march::{ForecastSection, MarchStep, Setup};
+use super::monodromy::ForecastMonodromy;
 use crate::model::drive::Drive;
-use crate::model::rig::{Mode, Rig};
+use crate::model::rig::{Rig, SwitchMode};
 use crate::model::scalar::Real;
-use crate::model::step::{Corrected, Span, State};
+use crate::model::step::{Corrected, HammerState, Span};
 use crate::model::tangent::Tangent;
 
 /// A hammer with its derivatives by the section it started on.
 #[derive(Clone, Copy, Debug)]
 pub struct Variation {
     drive: Drive<Tangent>,
-    units: Section,
+    units: ForecastSection,
     /// The motion with its derivatives by the hammer's part of the section.
-    state: State<Tangent>,
+    state: HammerState<Tangent>,
     /// The same with those by the cart's part; not followed with a prescribed cart.
-    by_cart: State<Tangent>,
+    by_cart: HammerState<Tangent>,
 }
 
 impl Variation {
     /// Starts at `section`, with derivatives in units of A0 and A0 Ω.
-    pub fn new(rig: &Rig<Tangent>, setup: &Setup, section: Section) -> Self {
+    pub fn new(rig: &Rig<Tangent>, setup: &Setup, section: ForecastSection) -> Self {
         let mut variation = Self {
             drive: setup.drive.map(Tangent::constant),
             units: setup.units,
-            state: State::default(),
-            by_cart: State::default(),
+            state: HammerState::default(),
+            by_cart: HammerState::default(),
         };
         variation.restart(rig, section);
         variation
     }
 
     /// Starts anew from another `section` at phase 0.
-    pub fn restart(&mut self, rig: &Rig<Tangent>, section: Section) {
+    pub fn restart(&mut self, rig: &Rig<Tangent>, section: ForecastSection) {
         let ([q, v, e, w], [a, b, c, d]) = (section, self.units);
         let (first, second) = (|unit| [unit, 0.0], |unit| [0.0, unit]);
-        self.state = State {
+        self.state = HammerState {
             cart: [Tangent::constant(e), Tangent::constant(w)],
-            ..State::new(rig, Tangent::new(q, first(a)), Tangent::new(v, second(b)))
+            ..HammerState::new(rig, Tangent::new(q, first(a)), Tangent::new(v, second(b)))
         };
-        self.by_cart = State {
+        self.by_cart = HammerState {
             cart: [Tangent::new(e, first(c)), Tangent::new(w, second(d))],
-            ..State::new(rig, Tangent::constant(q), Tangent::constant(v))
+            ..HammerState::new(rig, Tangent::constant(q), Tangent::constant(v))
         };
         self.drive.restart();
     }
@@ -68,7 +68,7 @@ impl Variation {
             from: part.0,
             to: part.1,
         };
-        let follow = |state: &mut State<Tangent>| {
+        let follow = |state: &mut HammerState<Tangent>| {
             *state = Corrected::step(rig, &span, state, part).state;
             if stretch.switched {
                 cross(rig, &span, state);
@@ -84,7 +84,7 @@ impl Variation {
     }
 
     /// The value now, the very numbers of the march.
-    pub fn section(&self) -> Section {
+    pub fn section(&self) -> ForecastSection {
         let [e, w] = self.state.cart;
         [
             self.state.q.hi.value,
@@ -95,14 +95,14 @@ impl Variation {
     }
 
     /// The derivative of the section by the one it started on, in units of A0 and A0 Ω.
-    pub fn monodromy(&self, setup: &Setup) -> Monodromy {
+    pub fn monodromy(&self, setup: &Setup) -> ForecastMonodromy {
         let [[q0, q1], [v0, v1], cart @ ..] = derivatives(&self.state, self.units);
         if setup.cart.is_none() {
-            return Monodromy::Hammer([[q0, q1], [v0, v1]]);
+            return ForecastMonodromy::Hammer([[q0, q1], [v0, v1]]);
         }
         let [[e0, e1], [w0, w1]] = cart;
         let [[q2, q3], [v2, v3], [e2, e3], [w2, w3]] = derivatives(&self.by_cart, self.units);
-        Monodromy::Both([
+        ForecastMonodromy::Both([
             [q0, q1, q2, q3],
             [v0, v1, v2, v3],
             [e0, e1, e2, e3],
@@ -112,7 +112,7 @@ impl Variation {
 }
 
 /// The derivatives of a state in both directions, in `units`.
-fn derivatives(state: &State<Tangent>, [a, b, c, d]: Section) -> [[f32; 2]; 4] {
+fn derivatives(state: &HammerState<Tangent>, [a, b, c, d]: ForecastSection) -> [[f32; 2]; 4] {
     let ([e, w], zero) = (state.cart, Tangent::ZERO);
     let row = |hi: Tangent, lo: Tangent, unit: f32| {
         let ([a, b], [c, d]) = (hi.partial, lo.partial);
@@ -127,11 +127,11 @@ fn derivatives(state: &State<Tangent>, [a, b, c, d]: Section) -> [[f32; 2]; 4] {
 }
 
 /// Crosses the switch that `state` lies on, at the end of `span`.
-fn cross(rig: &Rig<Tangent>, span: &Span<Tangent>, state: &mut State<Tangent>) {
+fn cross(rig: &Rig<Tangent>, span: &Span<Tangent>, state: &mut HammerState<Tangent>) {
     let course = span.inertial(span.to);
     let v = state.v.hi;
     let at = rig.kinematics(state.q.hi, v);
-    let entering = state.mode == Mode::Flight;
+    let entering = state.mode == SwitchMode::Flight;
     let approach_there = if entering { at.rate } else { state.approach };
     let without = span.accelerations(rig, &at, state, Tangent::ZERO, course);
     let pushed = span.accelerations(rig, &at, state, rig.force(&at, approach_there), course);
@@ -149,14 +149,14 @@ fn cross(rig: &Rig<Tangent>, span: &Span<Tangent>, state: &mut State<Tangent>) {
     let [_, w] = &mut state.cart;
     *w = shifted(*w, before.1.value - after.1.value, instant);
     state.mode = if entering {
-        Mode::Contact
+        SwitchMode::Contact
     } else {
-        Mode::Flight
+        SwitchMode::Flight
     };
 }
 
 /// t_e′ = −h′/ḣ, where the hammer's rate changes by `acceleration` until the switch.
-fn instant(rig: &Rig<Tangent>, state: &State<Tangent>, acceleration: f32) -> [f32; 2] {
+fn instant(rig: &Rig<Tangent>, state: &HammerState<Tangent>, acceleration: f32) -> [f32; 2] {
     let (h, _) = Corrected::indicator_and_rate(rig, state);
     // The same indicator with time for a direction: its derivative is ḣ.
     let (q, v) = (state.q.hi.value, state.v.hi.value);

@@ -106,7 +106,7 @@ pub fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
 mod tests {
     use super::*;
     use crate::control::State;
-    use crate::fault::{Fault, Origin, Record};
+    use crate::fault::{Fault, FaultRecord, Origin};
     use crate::io::{AdcCode, DacCode};
     use crate::model::cart::{ASSUMED_SHAKER, CartDrive};
     use crate::model::params::{PRESETS, RigParams};
@@ -151,7 +151,7 @@ mod tests {
             frequency_hz: 3.3,
             enable: true,
         };
-        let record = Record::new(Fault::OverForce, Origin::Force, u32::MAX, 1.0, 1.0);
+        let record = FaultRecord::new(Fault::OverForce, Origin::Force, u32::MAX, 1.0, 1.0);
         let event = Event {
             tick: u32::MAX,
             kind: crate::control::EventKind::Fault(record),

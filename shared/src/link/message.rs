@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Identified, Recording};
 use crate::control::{self, Command, SettingsState, Status};
-use crate::fault::Record;
-use crate::forecast::{Forecast, Row, Target};
+use crate::fault::FaultRecord;
+use crate::forecast::{Forecast, ForecastRow, Target};
 use crate::settings::Settings;
 
 /// A message with its number.
@@ -17,45 +17,45 @@ pub struct Packet<M> {
     pub message: M,
 }
 
-/// A request of the computer. Each gets exactly one [`Answer`], in order.
+/// A request of the computer. Each gets exactly one [`LinkAnswer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
 pub enum ToBoard {
-    /// Begins a conversation: ends the streams of the one before. A session goes on. Answered with [`Answer::Hello`].
+    /// Begins a conversation: ends the streams of the one before. A session goes on. Answered with [`LinkAnswer::Hello`].
     Hello,
-    /// Answered with [`Answer::Status`].
+    /// Answered with [`LinkAnswer::Status`].
     GetStatus,
     /// Without a session: [`Command::Stop`], which anybody may give and which keeps its encoding for ever; any other
-    /// command is refused. Answered with [`Answer::Done`] or [`Answer::Refused`].
+    /// command is refused. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     Command(Command),
-    /// Answered with [`Answer::Settings`].
+    /// Answered with [`LinkAnswer::Settings`].
     GetSettings,
-    /// A page of the forecast, from 0. Answered with [`Answer::Forecast`]; beyond the last, a page without rows.
+    /// A page of the forecast, from 0. Answered with [`LinkAnswer::Forecast`]; beyond the last, a page without rows.
     GetForecast {
         /// Which page of [`ROWS_PER_PAGE`] rows.
         page: u8,
     },
-    /// Telemetry every so many control ticks; 0: none. Answered with [`Answer::Done`].
+    /// Telemetry every so many control ticks; 0: none. Answered with [`LinkAnswer::Done`].
     StreamTelemetry {
         /// Control ticks from one to the next.
         decimation: u32,
     },
-    /// A recording of every tick, or its end. Answered with [`Answer::Done`] or [`Answer::Refused`].
+    /// A recording of every tick, or its end. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     StreamFrames {
         /// Whether to stream.
         on: bool,
     },
-    /// Answered with [`Answer::FaultRecord`].
+    /// Answered with [`LinkAnswer::FaultRecord`].
     GetFaultRecord,
-    /// Answered with [`Answer::Identified`].
+    /// Answered with [`LinkAnswer::Identified`].
     GetIdentified,
-    /// Answered with [`Answer::Board`].
+    /// Answered with [`LinkAnswer::Board`].
     GetBoard,
     /// Asks for the session, without which nothing is steered: see [the module](super). Answered with
-    /// [`Answer::Session`] or [`Answer::Refused`].
+    /// [`LinkAnswer::Session`] or [`LinkAnswer::Refused`].
     OpenSession {
         /// [`BoardState::boot`].
         boot: u32,
@@ -64,14 +64,14 @@ pub enum ToBoard {
         /// Take the session from a program that has one and is alive.
         take_over: bool,
     },
-    /// An act of who has the session. Answered with [`Answer::Done`] or [`Answer::Refused`].
+    /// An act of who has the session. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     Steer {
-        /// From [`Answer::Session`].
+        /// From [`LinkAnswer::Session`].
         session: u32,
         /// Higher from one act to the next, from 1: an old one is refused.
         number: u32,
         /// The act.
-        act: Act,
+        act: LinkAct,
     },
 }
 
@@ -81,7 +81,7 @@ pub enum ToBoard {
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
-pub enum Act {
+pub enum LinkAct {
     /// A command; [`Command::Acknowledge`] is refused: it is given at the board.
     Command(Command),
     /// New settings, checked and taken as a whole, in Idle (or after a fault) only, and stored in flash if they are
@@ -105,7 +105,7 @@ pub enum FromBoard {
         /// [`Packet::sequence`] of the request.
         request: u16,
         /// The answer.
-        answer: Answer,
+        answer: LinkAnswer,
     },
     /// Unasked, at the decimation asked for.
     Telemetry(Telemetry),
@@ -119,7 +119,7 @@ pub enum FromBoard {
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
-pub enum Answer {
+pub enum LinkAnswer {
     /// Versions and names.
     Hello(Hello),
     /// The request was carried out.
@@ -133,7 +133,7 @@ pub enum Answer {
     /// A page of the forecast.
     Forecast(ForecastPage),
     /// The present or last fault; it survives a reset.
-    FaultRecord(Option<Record>),
+    FaultRecord(Option<FaultRecord>),
     /// The identified parameters of the rig.
     Identified(Identified),
     /// What a program must know before it steers.
@@ -158,7 +158,7 @@ pub struct BoardState {
 }
 
 /// A name of up to 23 bytes.
-pub type Name = heapless::String<23>;
+pub type LinkName = heapless::String<23>;
 
 /// Versions and names of the answering side. The first field is the version, for ever.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,9 +166,9 @@ pub struct Hello {
     /// [`super::PROTOCOL_VERSION`].
     pub protocol: u16,
     /// The firmware's version.
-    pub firmware: Name,
+    pub firmware: LinkName,
     /// The board, or `emulator`.
-    pub board: Name,
+    pub board: LinkName,
     /// Control ticks per second.
     pub tick_rate_hz: u32,
     /// Ticks in a block.
@@ -223,7 +223,7 @@ pub struct ForecastPage {
     /// Rows of the whole forecast.
     pub rows_in_all: u8,
     /// This page's, by rising frequency.
-    pub rows: heapless::Vec<Row, ROWS_PER_PAGE>,
+    pub rows: heapless::Vec<ForecastRow, ROWS_PER_PAGE>,
     /// The frequency to run at; `None` without a stable 1/1.
     pub target: Option<Target>,
 }

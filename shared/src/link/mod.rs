@@ -31,7 +31,7 @@
 //!
 //! [`PROTOCOL_VERSION`] changes when an existing message changes. New messages are appended to the enums and
 //! change nothing for those who do not know them: such a packet has a good CRC, is not understood, is
-//! counted as [`Counters::unknown`] and dropped. [`ToBoard::Hello`] (the first message) and [`Answer::Hello`]
+//! counted as [`Counters::unknown`] and dropped. [`ToBoard::Hello`] (the first message) and [`LinkAnswer::Hello`]
 //! (the first answer, with the version as its first field) keep their encoding for ever, so that two
 //! versions can always recognise each other.
 //!
@@ -61,8 +61,8 @@ mod tests;
 pub use codec::{Counters, Decoder, encode};
 pub use identified::Identified;
 pub use message::{
-    Act, Answer, BoardState, ForecastPage, FromBoard, Hello, Name, Packet, ROWS_PER_PAGE, Refusal,
-    Telemetry, ToBoard,
+    BoardState, ForecastPage, FromBoard, Hello, LinkAct, LinkAnswer, LinkName, Packet,
+    ROWS_PER_PAGE, Refusal, Telemetry, ToBoard,
 };
 pub use queue::ByteQueue;
 pub use recording::{BlockNotes, GivenCommand, MAX_GIVEN, RecordedBlock, Recording};

@@ -1,12 +1,12 @@
 //! The board's end of the link: requests in, answers and streams out.
 
 use super::{
-    ANSWER_RESERVE, Act, Answer, BoardState, ByteQueue, Counters, Decoder, ForecastPage, FromBoard,
-    Hello, Identified, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal, Telemetry, ToBoard,
-    encode,
+    ANSWER_RESERVE, BoardState, ByteQueue, Counters, Decoder, ForecastPage, FromBoard, Hello,
+    Identified, LinkAct, LinkAnswer, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal,
+    Telemetry, ToBoard, encode,
 };
 use crate::control::{Command, Mode, Refused, SettingsState, State, Status};
-use crate::fault::Record;
+use crate::fault::FaultRecord;
 use crate::settings::{Settings, ticks_of};
 
 /// The functions of a board (or the emulator) that the link uses. None may wait.
@@ -43,7 +43,7 @@ pub trait Device {
     /// A page of the last forecast ([`ForecastPage::of`]).
     fn forecast(&mut self, page: u8) -> ForecastPage;
     /// The present or last fault; it survives a reset.
-    fn fault_record(&mut self) -> Option<Record>;
+    fn fault_record(&mut self) -> Option<FaultRecord>;
     /// The identified parameters of the rig.
     fn identified(&mut self) -> Identified;
     /// Starts or ends keeping blocks for [`Device::take_block`].
@@ -205,7 +205,7 @@ impl<const N: usize> Session<N> {
         }
     }
 
-    fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> Answer {
+    fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> LinkAnswer {
         match request {
             ToBoard::Hello => {
                 self.decimation = 0;
@@ -213,36 +213,36 @@ impl<const N: usize> Session<N> {
                     self.recording = false;
                     let _ = device.record(false);
                 }
-                Answer::Hello(device.hello())
+                LinkAnswer::Hello(device.hello())
             }
-            ToBoard::GetStatus => Answer::Status(device.status()),
+            ToBoard::GetStatus => LinkAnswer::Status(device.status()),
             ToBoard::Command(Command::Stop) => {
                 done(device.command(Command::Stop).map_err(Refusal::from))
             }
-            ToBoard::Command(_) => Answer::Refused(Refusal::NoSession),
-            ToBoard::GetSettings => Answer::Settings(device.settings()),
-            ToBoard::GetForecast { page } => Answer::Forecast(device.forecast(page)),
+            ToBoard::Command(_) => LinkAnswer::Refused(Refusal::NoSession),
+            ToBoard::GetSettings => LinkAnswer::Settings(device.settings()),
+            ToBoard::GetForecast { page } => LinkAnswer::Forecast(device.forecast(page)),
             ToBoard::StreamTelemetry { decimation } => {
                 self.decimation = decimation;
                 // The first one comes at once.
                 self.last_telemetry = device.status().tick.wrapping_sub(decimation);
-                Answer::Done
+                LinkAnswer::Done
             }
             ToBoard::StreamFrames { on } => {
                 let taken = device.record(on);
                 self.recording = on && taken.is_ok();
                 done(taken)
             }
-            ToBoard::GetFaultRecord => Answer::FaultRecord(device.fault_record()),
-            ToBoard::GetIdentified => Answer::Identified(device.identified()),
-            ToBoard::GetBoard => Answer::Board(self.board_state(device)),
+            ToBoard::GetFaultRecord => LinkAnswer::FaultRecord(device.fault_record()),
+            ToBoard::GetIdentified => LinkAnswer::Identified(device.identified()),
+            ToBoard::GetBoard => LinkAnswer::Board(self.board_state(device)),
             ToBoard::OpenSession {
                 boot,
                 granted,
                 take_over,
             } => match self.open(boot, granted, take_over, device) {
-                Ok(session) => Answer::Session(session),
-                Err(why) => Answer::Refused(why),
+                Ok(session) => LinkAnswer::Session(session),
+                Err(why) => LinkAnswer::Refused(why),
             },
             ToBoard::Steer {
                 session,
@@ -294,7 +294,7 @@ impl<const N: usize> Session<N> {
         &mut self,
         session: u32,
         number: u32,
-        act: &Act,
+        act: &LinkAct,
         device: &mut impl Device,
     ) -> Result<(), Refusal> {
         self.end_silent_session(device);
@@ -306,19 +306,19 @@ impl<const N: usize> Session<N> {
         holder.last = number;
         holder.heard = device.status().tick;
         match act {
-            Act::Command(command) => give(*command, device),
-            Act::SetSettings(settings) => {
+            LinkAct::Command(command) => give(*command, device),
+            LinkAct::SetSettings(settings) => {
                 let replaced = replace(settings, device);
                 holder.patience = patience(&device.settings());
                 // The flash may have held the board up: that was not the program's silence.
                 holder.heard = device.status().tick;
                 replaced
             }
-            Act::Release => {
+            LinkAct::Release => {
                 self.steering = None;
                 Ok(())
             }
-            Act::SetBrownOut => {
+            LinkAct::SetBrownOut => {
                 let is_off = matches!(device.status().state, State::Idle | State::Fault);
                 let set = if is_off {
                     device.set_brown_out()
@@ -364,9 +364,9 @@ fn replace(settings: &Settings, device: &mut impl Device) -> Result<(), Refusal>
     device.store_settings()
 }
 
-fn done(result: Result<(), Refusal>) -> Answer {
+fn done(result: Result<(), Refusal>) -> LinkAnswer {
     match result {
-        Ok(()) => Answer::Done,
-        Err(why) => Answer::Refused(why),
+        Ok(()) => LinkAnswer::Done,
+        Err(why) => LinkAnswer::Refused(why),
     }
 }

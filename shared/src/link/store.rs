@@ -16,7 +16,7 @@
 //! Numbers are little-endian, everything between is erased (0xff), and every part begins at a multiple of 32
 //! bytes, so any write size up to that will do.
 //!
-//! [`Store::save`] never erases the slot that holds the newest settings. It takes the mark off the other, erases it, writes
+//! [`SlotStore::save`] never erases the slot that holds the newest settings. It takes the mark off the other, erases it, writes
 //! payload, header and mark, in that order, and reads all of it back. A slot counts as whole when its CRC is right. The
 //! mark is for the other case: a slot whose CRC is wrong was either never finished (no mark; the power went
 //! while it was written or erased, and the other slot stands) or finished once and damaged since (mark).
@@ -238,12 +238,12 @@ fn put(image: &mut Image, at: Range<usize>, bytes: &[u8]) {
 
 /// Settings in two slots of a flash.
 #[derive(Debug)]
-pub struct Store<F> {
+pub struct SlotStore<F> {
     flash: F,
     slots: [Range<u32>; 2],
 }
 
-impl<F: MultiwriteNorFlash> Store<F> {
+impl<F: MultiwriteNorFlash> SlotStore<F> {
     /// Settings in two slots of `flash`, each a range of offsets that can be erased by itself and has at
     /// least [`IMAGE_BYTES`] bytes.
     pub fn new(flash: F, slots: [Range<u32>; 2]) -> Self {

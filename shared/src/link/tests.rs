@@ -8,8 +8,8 @@ use std::vec::Vec;
 
 use super::*;
 use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, SettingsState, State, Status};
-use crate::fault::{Fault, FaultSet, Origin, Record};
-use crate::forecast::{Forecast, Orbit, Row, Target};
+use crate::fault::{Fault, FaultRecord, FaultSet, Origin};
+use crate::forecast::{Forecast, ForecastOrbit, ForecastRow, Target};
 use crate::io::{Frame, Output};
 use crate::model::contact::LAWS;
 use crate::model::params::{PRESETS, WIRES};
@@ -37,10 +37,10 @@ fn longest_status() -> Status {
     }
 }
 
-fn longest_record() -> Record {
-    Record {
+fn longest_record() -> FaultRecord {
+    FaultRecord {
         episode: FaultSet::from_bits(u32::MAX),
-        ..Record::new(Fault::NotOff, Origin::Cart, LONG, 1.0, 1.0)
+        ..FaultRecord::new(Fault::NotOff, Origin::Cart, LONG, 1.0, 1.0)
     }
 }
 
@@ -67,7 +67,7 @@ fn idle(tick: u32) -> Status {
 }
 
 fn forecast(rows: usize) -> Forecast {
-    let orbit = Orbit {
+    let orbit = ForecastOrbit {
         force_n: 96.0,
         impulse_n_s: 0.03,
         approach_m_per_s: 0.08,
@@ -75,7 +75,7 @@ fn forecast(rows: usize) -> Forecast {
         multiplier: 0.3,
         doubling_test: 0.9,
     };
-    let row = |i| Row {
+    let row = |i| ForecastRow {
         frequency_hz: i as f32,
         regime: longest_status().regime,
         force_n: 96.0,
@@ -125,8 +125,8 @@ impl Device for Stub {
     fn hello(&mut self) -> Hello {
         Hello {
             protocol: PROTOCOL_VERSION,
-            firmware: Name::try_from("0.1.0").unwrap(),
-            board: Name::try_from("stub").unwrap(),
+            firmware: LinkName::try_from("0.1.0").unwrap(),
+            board: LinkName::try_from("stub").unwrap(),
             tick_rate_hz: 20_000,
             block_ticks: 10,
         }
@@ -164,7 +164,7 @@ impl Device for Stub {
     fn forecast(&mut self, page: u8) -> ForecastPage {
         ForecastPage::of(Some(&forecast(40)), page)
     }
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         Some(longest_record())
     }
     fn identified(&mut self) -> Identified {
@@ -218,7 +218,7 @@ impl Pair {
 
     /// Opens a session for a new program.
     fn open(&mut self, take_over: bool) -> Result<Program, Refusal> {
-        let Answer::Board(board) = self.ask(ToBoard::GetBoard) else {
+        let LinkAnswer::Board(board) = self.ask(ToBoard::GetBoard) else {
             panic!("the board's state was asked for");
         };
         let open = ToBoard::OpenSession {
@@ -227,19 +227,19 @@ impl Pair {
             take_over,
         };
         match self.ask(open) {
-            Answer::Session(session) => Ok(Program { session, number: 0 }),
-            Answer::Refused(why) => Err(why),
+            LinkAnswer::Session(session) => Ok(Program { session, number: 0 }),
+            LinkAnswer::Refused(why) => Err(why),
             other => panic!("a session was asked for: {other:?}"),
         }
     }
 
-    fn steer(&mut self, program: &mut Program, act: Act) -> Answer {
+    fn steer(&mut self, program: &mut Program, act: LinkAct) -> LinkAnswer {
         let request = program.request(act);
         self.ask(request)
     }
 
-    fn command(&mut self, program: &mut Program, command: Command) -> Answer {
-        self.steer(program, Act::Command(command))
+    fn command(&mut self, program: &mut Program, command: Command) -> LinkAnswer {
+        self.steer(program, LinkAct::Command(command))
     }
 
     fn heard(&mut self) -> Vec<Packet<FromBoard>> {
@@ -250,7 +250,7 @@ impl Pair {
         heard
     }
 
-    fn ask(&mut self, message: ToBoard) -> Answer {
+    fn ask(&mut self, message: ToBoard) -> LinkAnswer {
         self.send(message);
         let heard = self.heard();
         let sent = self.sequence;
@@ -270,7 +270,7 @@ struct Program {
 }
 
 impl Program {
-    fn request(&mut self, act: Act) -> ToBoard {
+    fn request(&mut self, act: LinkAct) -> ToBoard {
         self.number += 1;
         ToBoard::Steer {
             session: self.session,

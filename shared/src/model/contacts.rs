@@ -42,7 +42,7 @@ pub struct Period<R> {
 
 /// A piece of a step spent in contact: what the ledger needs of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece<R> {
+pub struct ContactPiece<R> {
     /// Length, s.
     pub span_s: R,
     /// Force at its two ends, N.
@@ -105,7 +105,7 @@ impl<R: Real> Ledger<R> {
 
     /// Time passes in contact.
     #[inline]
-    pub fn add(&mut self, piece: &Piece<R>) {
+    pub fn add(&mut self, piece: &ContactPiece<R>) {
         let Some(open) = &mut self.open else {
             return;
         };
@@ -181,7 +181,7 @@ impl<R: Real> Ledger<R> {
     }
 }
 
-impl<R: Real> Piece<R> {
+impl<R: Real> ContactPiece<R> {
     /// Largest force in the piece, N: at an end, or at the interior maximum of the cubic through both
     /// ends' values and slopes.
     #[inline]
@@ -216,7 +216,7 @@ mod tests {
     fn the_peak_between_two_points_is_found() {
         // F = 100 sin(t) from t = 1.4 to 1.7: the top is 100.
         let (t0, t1) = (1.4_f64, 1.7_f64);
-        let piece = Piece {
+        let piece = ContactPiece {
             span_s: t1 - t0,
             force: (100.0 * t0.sin(), 100.0 * t1.sin()),
             force_rate: (100.0 * t0.cos(), 100.0 * t1.cos()),
@@ -240,7 +240,7 @@ mod tests {
                     ledger.release(at, -0.005);
                 }
             }
-            let stay = Piece {
+            let stay = ContactPiece {
                 span_s: 1e-3,
                 force: (1.0, 1.0),
                 force_rate: (0.0, 0.0),

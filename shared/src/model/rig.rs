@@ -61,7 +61,7 @@ pub struct Kinematics<R> {
 
 /// Which side of the switch the hammer is on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub enum SwitchMode {
     /// Γ−: no contact force.
     #[default]
     Flight,

@@ -5,11 +5,11 @@ use crate::model::drive::{Drive, DriveError};
 use crate::model::regime::Detector;
 use crate::model::rig::Rig;
 use crate::model::scalar::Real;
-use crate::model::step::{Span, State, Stepper};
+use crate::model::step::{HammerState, Span, Stepper};
 
 /// The section at drive phase 0 and the period that ended there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strobe<R> {
+pub struct TwinStrobe<R> {
     /// Coordinate q at phase 0, m or rad.
     pub q: R,
     /// q̇ at phase 0, m/s or rad/s.
@@ -20,7 +20,7 @@ pub struct Strobe<R> {
 
 /// The events of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick<R> {
+pub struct TwinTick<R> {
     /// Contact force at the end of the tick, N.
     pub force: R,
     /// ∫F dt over the tick, N·s: over the tick's length, the force as a sensor that averages would see it.
@@ -28,7 +28,7 @@ pub struct Tick<R> {
     /// A contact that ended in this tick.
     pub contact: Option<Contact<R>>,
     /// The strobe, if the tick passed drive phase 0.
-    pub strobe: Option<Strobe<R>>,
+    pub strobe: Option<TwinStrobe<R>>,
 }
 
 /// A hammer under prescribed cart motion, stepped at a fixed tick.
@@ -38,15 +38,15 @@ pub struct Twin<R, S> {
     drive: Drive<R>,
     drive_acceleration: R,
     stepper: S,
-    state: State<R>,
+    state: HammerState<R>,
     ledger: Ledger<R>,
 }
 
 impl<R: Real, S: Stepper<R>> Twin<R, S> {
     /// A twin of `rig` in `state` under `drive`.
-    pub fn new(rig: Rig<R>, drive: Drive<R>, stepper: S, state: State<R>) -> Self {
+    pub fn new(rig: Rig<R>, drive: Drive<R>, stepper: S, state: HammerState<R>) -> Self {
         let mut ledger = Ledger::default();
-        if state.mode == crate::model::rig::Mode::Contact {
+        if state.mode == crate::model::rig::SwitchMode::Contact {
             ledger.resume(drive.now(), state.approach);
         }
         Self {
@@ -61,7 +61,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
 
     /// A twin at rest relative to the cart.
     pub fn at_rest(rig: Rig<R>, drive: Drive<R>, stepper: S) -> Self {
-        Self::new(rig, drive, stepper, State::at_rest(&rig))
+        Self::new(rig, drive, stepper, HammerState::at_rest(&rig))
     }
 
     /// Changes the drive frequency without a jump in phase.
@@ -85,7 +85,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     }
 
     /// The state at the last tick.
-    pub fn state(&self) -> &State<R> {
+    pub fn state(&self) -> &HammerState<R> {
         &self.state
     }
 
@@ -104,11 +104,11 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     /// Advances by one tick. A strobe within the tick splits it, so that the section is the integrator's
     /// and not an interpolation.
     #[inline]
-    pub fn tick(&mut self) -> Tick<R> {
+    pub fn tick(&mut self) -> TwinTick<R> {
         let strobe_at = self.drive.strobe_ahead();
         let strobe = strobe_at.map(|fraction| {
             self.advance(R::ZERO, fraction);
-            Strobe {
+            TwinStrobe {
                 q: self.state.q.hi,
                 v: self.state.v.hi,
                 period: self.ledger.close_period(),
@@ -116,7 +116,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         });
         self.advance(strobe_at.unwrap_or(R::ZERO), R::ONE);
         self.drive.advance();
-        Tick {
+        TwinTick {
             force: self.stepper.force(&self.rig, &self.state),
             impulse: self.ledger.take_impulse(),
             contact: self.ledger.take_finished(),

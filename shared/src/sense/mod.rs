@@ -31,11 +31,11 @@ use crate::model::regime::Regime;
 use crate::settings::{Settings, TICK_S};
 
 use harmonic::Harmonic;
-use motion::Motion;
+use motion::PeriodMotion;
 use observer::Observer;
 use pulse::{PulseDetector, PulseEdge};
-use ringing::{Contact, Ringing};
-use section::Section;
+use ringing::{Ringing, RingingContact};
+use section::SensedSection;
 
 /// One tick's samples in SI units, fixed frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,7 +95,7 @@ pub struct Strobe {
 
 /// The events of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct SensedTick {
     /// A contact that ended.
     pub pulse: Option<Pulse>,
     /// The strobe, if the tick passed drive phase 0.
@@ -104,7 +104,7 @@ pub struct Seen {
 
 /// The measured regime and the number of periods it rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub struct SensedRegime {
     /// z = p/n.
     pub regime: Regime,
     /// Drive periods it rests on.
@@ -126,8 +126,8 @@ pub struct Sense {
     ringing: Ringing,
     observer: Observer,
     harmonic: Harmonic,
-    section: Section,
-    motion: Motion,
+    section: SensedSection,
+    motion: PeriodMotion,
     /// A0 believed, m: scale of the section's displacements.
     amplitude_m: f32,
     force_offset_n: f32,
@@ -160,8 +160,8 @@ impl Sense {
             ringing: Ringing::new(settings, TICK),
             observer: Observer::new(settings, TICK),
             harmonic: Harmonic::default(),
-            section: Section::default(),
-            motion: Motion::default(),
+            section: SensedSection::default(),
+            motion: PeriodMotion::default(),
             amplitude_m: settings.rig.amplitude_m as f32,
             force_offset_n: 0.0,
             force_drift_n: 0.0,
@@ -181,7 +181,7 @@ impl Sense {
         self.observer.reset();
         self.harmonic.reset();
         self.section.restart();
-        self.motion = Motion::default();
+        self.motion = PeriodMotion::default();
         self.last_cycle = None;
         self.current = None;
         self.period = Strobe::default();
@@ -201,7 +201,7 @@ impl Sense {
     }
 
     /// One tick: its samples, its number, and the drive as commanded for that instant.
-    pub fn tick(&mut self, sample: Sample, tick: u32, drive: &Drive<f32>) -> Seen {
+    pub fn tick(&mut self, sample: Sample, tick: u32, drive: &Drive<f32>) -> SensedTick {
         let force_n = sample.force_n - self.force_offset_n - self.force_drift_n;
         let relative_m = sample.hammer_m - sample.cart_m - self.rest_relative_m;
         let now = drive.now();
@@ -247,7 +247,7 @@ impl Sense {
                 None
             }
         };
-        Seen { pulse, strobe }
+        SensedTick { pulse, strobe }
     }
 
     fn strobe(&mut self, cycle: u32, increment: u32) -> Option<Strobe> {
@@ -300,7 +300,7 @@ impl Sense {
         });
     }
 
-    fn end(&mut self, contact: &Contact) {
+    fn end(&mut self, contact: &RingingContact) {
         if let Some(current) = &mut self.current {
             let impulse_n_s = contact.sum_n * TICK;
             current.pulse.peak_n = contact.peak_n;
@@ -329,7 +329,7 @@ impl Sense {
     }
 
     /// The regime, and how many drive periods it rests on; 0 periods: not known yet.
-    pub fn measured(&self) -> Measured {
+    pub fn measured(&self) -> SensedRegime {
         self.section.measured()
     }
 

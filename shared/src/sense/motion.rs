@@ -5,7 +5,7 @@ const SAMPLES: u32 = 32;
 
 /// Sums of the means of a drive period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct PeriodMotion {
     part: f32,
     samples: u32,
     sum: f32,
@@ -13,7 +13,7 @@ pub struct Motion {
     means: u32,
 }
 
-impl Motion {
+impl PeriodMotion {
     /// A sample of the hammer's displacement, m.
     #[inline]
     pub fn tick(&mut self, hammer_m: f32) {
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn a_sine_has_its_own_wherever_its_middle_is_and_noise_a_sixth() {
-        let mut motion = Motion::default();
+        let mut motion = PeriodMotion::default();
         for middle_m in [0.0, -3e-3] {
             for k in 0..3_200 {
                 let turns = f64::from(k) / 3_200.0;

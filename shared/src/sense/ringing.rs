@@ -94,27 +94,27 @@ pub struct Ringing {
     correlation: [f32; LAGS],
     /// Contacts that were collected, and their mean, as read and without ringing.
     contacts: u8,
-    read: Contact,
-    found: Contact,
+    read: RingingContact,
+    found: RingingContact,
     /// The most that two samples in a row of such a contact reach of its true peak.
     two_share: f32,
     /// The contact under way as it is read, and without ringing, once known.
-    reading: Contact,
-    own: Option<Contact>,
+    reading: RingingContact,
+    own: Option<RingingContact>,
     open: bool,
     period_n: f32,
 }
 
 /// A contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct RingingContact {
     /// Its largest force, N.
     pub peak_n: f32,
     /// Sum of the samples, N.
     pub sum_n: f32,
 }
 
-impl Contact {
+impl RingingContact {
     const NONE: Self = Self {
         peak_n: 0.0,
         sum_n: 0.0,
@@ -132,10 +132,10 @@ impl Ringing {
             last_n: [0.0; 2],
             correlation: [0.0; LAGS],
             contacts: 0,
-            read: Contact::NONE,
-            found: Contact::NONE,
+            read: RingingContact::NONE,
+            found: RingingContact::NONE,
             two_share: 0.0,
-            reading: Contact::NONE,
+            reading: RingingContact::NONE,
             own: None,
             open: false,
             period_n: 0.0,
@@ -145,7 +145,7 @@ impl Ringing {
     /// The contact under way is forgotten; what is known of the surface stays.
     pub fn reset(&mut self) {
         self.count = LENGTH;
-        self.reading = Contact::NONE;
+        self.reading = RingingContact::NONE;
         self.own = None;
         self.open = false;
         self.period_n = 0.0;
@@ -177,7 +177,7 @@ impl Ringing {
 
     /// The next sample, N, and what the detector made of it. A contact that is over, its ringing seen.
     #[inline]
-    pub fn tick(&mut self, force_n: f32, edge: &PulseEdge) -> Option<Contact> {
+    pub fn tick(&mut self, force_n: f32, edge: &PulseEdge) -> Option<RingingContact> {
         let [older_n, first_n] = self.last_n;
         self.last_n = [first_n, force_n];
         let mut over = None;
@@ -220,12 +220,12 @@ impl Ringing {
     }
 
     /// The contact that was under way, if any, is over.
-    fn end(&mut self) -> Option<Contact> {
-        let reading = core::mem::replace(&mut self.reading, Contact::NONE);
+    fn end(&mut self) -> Option<RingingContact> {
+        let reading = core::mem::replace(&mut self.reading, RingingContact::NONE);
         if reading.peak_n <= 0.0 {
             return None;
         }
-        let as_before = Contact {
+        let as_before = RingingContact {
             peak_n: reading.peak_n * self.peak_over_reading(),
             sum_n: reading.sum_n * ratio(self.found.sum_n, self.read.sum_n),
         };
@@ -238,7 +238,7 @@ impl Ringing {
     fn contact(&mut self, shape: &Shape) {
         let tail = || self.samples.iter().skip(shape.tail).take(TAIL);
         let length = shape.tail + TAIL;
-        let measure = |samples: &[f32; LENGTH]| Contact {
+        let measure = |samples: &[f32; LENGTH]| RingingContact {
             peak_n: samples.iter().take(length).fold(0.0, |a, b| a.max(*b)),
             sum_n: samples.iter().take(length).sum(),
         };

@@ -28,9 +28,9 @@
 
 mod fit;
 
-use super::Measured;
+use super::SensedRegime;
 use crate::model::regime::Regime;
-use fit::{Entry, FEATURES, Fit, fit_of};
+use fit::{Entry, FEATURES, SectionFit, fit_of};
 
 /// Drive periods looked at.
 pub const WINDOW: usize = 16;
@@ -66,13 +66,13 @@ struct PeriodWindow {
     count: usize,
     /// Being filled: periods by (cycle of the cut) parity.
     open: [Entry; 2],
-    fits: [[Fit; LONGEST]; 2],
+    fits: [[SectionFit; LONGEST]; 2],
     /// Next n to try: 0 to 2 · LONGEST; beyond: done.
     next: usize,
-    measured: Measured,
+    measured: SensedRegime,
 }
 
-const NOTHING: Measured = Measured {
+const NOTHING: SensedRegime = SensedRegime {
     regime: Regime::None,
     periods: 0,
 };
@@ -90,7 +90,7 @@ impl PeriodWindow {
             near_cut: 0,
             features: [0.0; FEATURES],
         }; 2],
-        fits: [[Fit {
+        fits: [[SectionFit {
             consistent: false,
             contacts: 0,
             variance: [0.0; FEATURES],
@@ -154,11 +154,11 @@ impl PeriodWindow {
         }
     }
 
-    fn evaluate(&self) -> Measured {
+    fn evaluate(&self) -> SensedRegime {
         let silent = self.entries.iter().take(self.count.min(FEWEST));
         let whole = self.count as u8;
         if silent.map(|entry| entry.contacts).all(|c| c == 0) && self.is_silent() {
-            return Measured {
+            return SensedRegime {
                 regime: Regime::None,
                 periods: whole,
             };
@@ -167,7 +167,7 @@ impl PeriodWindow {
         let [long, short] = &self.fits;
         for (fits, count) in [(long, self.count), (short, recent)] {
             if let Some((impacts, n)) = smallest(fits, count) {
-                return Measured {
+                return SensedRegime {
                     regime: Regime::Periodic {
                         impacts,
                         periods: n as u8,
@@ -177,7 +177,7 @@ impl PeriodWindow {
             }
         }
         let counted = self.entries.iter().take(self.count);
-        Measured {
+        SensedRegime {
             regime: Regime::Aperiodic {
                 impacts: counted.map(|entry| u16::from(entry.contacts)).sum(),
             },
@@ -200,7 +200,7 @@ impl PeriodWindow {
 }
 
 /// The smallest n that repeats and that no multiple of it beats, with its contacts.
-fn smallest(fits: &[Fit; LONGEST], count: usize) -> Option<(u16, usize)> {
+fn smallest(fits: &[SectionFit; LONGEST], count: usize) -> Option<(u16, usize)> {
     let usable = |n: usize| count >= FEWEST.max((3 * n).min(WINDOW));
     let found = (1..=LONGEST).zip(fits).find(|(n, fit)| {
         let repeats = fit.consistent
@@ -216,7 +216,7 @@ fn smallest(fits: &[Fit; LONGEST], count: usize) -> Option<(u16, usize)> {
 }
 
 /// Whether n = `m` explains what `fit` leaves as scatter.
-fn explains_more(fit: &Fit, other: &Fit, m: usize) -> bool {
+fn explains_more(fit: &SectionFit, other: &SectionFit, m: usize) -> bool {
     let ratio = match m {
         2 => 4.0,
         3 | 4 => 6.0,
@@ -233,7 +233,7 @@ fn explains_more(fit: &Fit, other: &Fit, m: usize) -> bool {
 
 /// The measured regime: fed with onsets, impulses and strobes, a little work per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
+pub struct SensedSection {
     at_zero: PeriodWindow,
     at_half: PeriodWindow,
     /// Last quarter of the drive period seen, and its cycle.
@@ -246,7 +246,7 @@ pub struct Section {
     wait: u8,
 }
 
-impl Default for Section {
+impl Default for SensedSection {
     fn default() -> Self {
         Self {
             at_zero: PeriodWindow::NEW,
@@ -259,7 +259,7 @@ impl Default for Section {
     }
 }
 
-impl Section {
+impl SensedSection {
     /// Forgets what it saw; the period under way does not count.
     pub fn restart(&mut self) {
         *self = Self {
@@ -338,7 +338,7 @@ impl Section {
     }
 
     /// The regime.
-    pub fn measured(&self) -> Measured {
+    pub fn measured(&self) -> SensedRegime {
         if self.at_half.near_cut() < self.at_zero.near_cut() {
             self.at_half.measured
         } else {

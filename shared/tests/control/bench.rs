@@ -2,7 +2,7 @@
 
 use shared::control::{BootInfo, Command, Controller, MAX_BLOCK, State};
 use shared::fault::Fault;
-use shared::forecast::{Forecast, Orbit, Row, Target};
+use shared::forecast::{Forecast, ForecastOrbit, ForecastRow, Target};
 use shared::io::{AdcCode, Frame, Output};
 use shared::model::params::WIRES;
 use shared::model::regime::Regime;
@@ -10,7 +10,7 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 
 /// A forecast of a 1/1 about 3.6 Hz.
 pub fn forecast(id: u32) -> Forecast {
-    let orbit = Orbit {
+    let orbit = ForecastOrbit {
         force_n: 96.0,
         impulse_n_s: 0.031,
         approach_m_per_s: 0.08,
@@ -18,7 +18,7 @@ pub fn forecast(id: u32) -> Forecast {
         multiplier: 0.3,
         doubling_test: 0.9,
     };
-    let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| Row {
+    let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| ForecastRow {
         frequency_hz,
         regime: Regime::Periodic {
             impacts: 1,

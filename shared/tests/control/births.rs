@@ -3,7 +3,7 @@
 use shared::control::{
     BootInfo, Command, Controller, Mode, Refused, ResetCause, SettingsState, State, Unfit,
 };
-use shared::fault::{Fault, Record};
+use shared::fault::{Fault, FaultRecord};
 use shared::io::{AdcCode, Frame, Output};
 use shared::model::params::WIRES;
 use shared::settings::Settings;
@@ -23,7 +23,7 @@ fn what_says_nothing_of_settings_drives_nothing() {
 #[test]
 fn why_the_board_started_is_taken_account_of() {
     let settings = Settings::for_rig(&WIRES);
-    let record = Record::new(Fault::OverForce, Default::default(), 7, 400.0, 3.6);
+    let record = FaultRecord::new(Fault::OverForce, Default::default(), 7, 400.0, 3.6);
     let born = |boot: BootInfo| {
         let controller = Controller::new(&settings, &boot).unwrap();
         (
@@ -59,7 +59,7 @@ fn why_the_board_started_is_taken_account_of() {
         assert_eq!(again.state(), State::Fault);
     }
     // Without an episode that latches, the start is all there is.
-    let silent = Record::new(Fault::LinkTimeout, Default::default(), 7, 2.0, 3.6);
+    let silent = FaultRecord::new(Fault::LinkTimeout, Default::default(), 7, 2.0, 3.6);
     for record in [None, Some(silent)] {
         let brown_out = kept(ResetCause::BrownOut, record);
         assert_eq!(born(brown_out), (State::Idle, Some(Fault::BrownOut)));

@@ -4,11 +4,12 @@
 use shared::control::{
     BootInfo, Command, EVENT_CAPACITY, Mode, Refused, ResetCause, SettingsState, State, Status,
 };
-use shared::fault::{Fault, Record};
+use shared::fault::{Fault, FaultRecord};
 use shared::forecast::Forecast;
 use shared::link::{
-    Act, Answer, Boot, Decoder, Device, ForecastPage, FromBoard, Hello, Identified, MAX_FRAME,
-    Name, PROTOCOL_VERSION, Packet, RecordedBlock, Refusal, Session, ToBoard, encode,
+    Boot, Decoder, Device, ForecastPage, FromBoard, Hello, Identified, LinkAct, LinkAnswer,
+    LinkName, MAX_FRAME, PROTOCOL_VERSION, Packet, RecordedBlock, Refusal, Session, ToBoard,
+    encode,
 };
 use shared::model::params::WIRES;
 use shared::settings::Settings;
@@ -62,8 +63,8 @@ impl Device for Rig {
     fn hello(&mut self) -> Hello {
         Hello {
             protocol: PROTOCOL_VERSION,
-            firmware: Name::new(),
-            board: Name::new(),
+            firmware: LinkName::new(),
+            board: LinkName::new(),
             tick_rate_hz: 20_000,
             block_ticks: BLOCK as u8,
         }
@@ -86,7 +87,7 @@ impl Device for Rig {
     fn forecast(&mut self, page: u8) -> ForecastPage {
         ForecastPage::of(None, page)
     }
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         self.status().fault
     }
     fn identified(&mut self) -> Identified {
@@ -147,7 +148,7 @@ impl Board {
         encode(&packet, &mut frame).unwrap().to_vec()
     }
 
-    fn hear(&mut self, frame: &[u8]) -> Answer {
+    fn hear(&mut self, frame: &[u8]) -> LinkAnswer {
         for byte in frame {
             self.session.receive(*byte, &mut self.rig);
         }
@@ -161,12 +162,12 @@ impl Board {
         }
     }
 
-    fn ask(&mut self, message: ToBoard) -> Answer {
+    fn ask(&mut self, message: ToBoard) -> LinkAnswer {
         self.hear(&Self::frame(message))
     }
 
     fn open(&mut self) {
-        let Answer::Board(board) = self.ask(ToBoard::GetBoard) else {
+        let LinkAnswer::Board(board) = self.ask(ToBoard::GetBoard) else {
             panic!("the board's state was asked for");
         };
         let open = ToBoard::OpenSession {
@@ -174,13 +175,13 @@ impl Board {
             granted: board.granted,
             take_over: true,
         };
-        let Answer::Session(session) = self.ask(open) else {
+        let LinkAnswer::Session(session) = self.ask(open) else {
             panic!("the session was asked for");
         };
         (self.steering, self.number) = (session, 0);
     }
 
-    fn steer(&mut self, act: Act) -> Answer {
+    fn steer(&mut self, act: LinkAct) -> LinkAnswer {
         self.number += 1;
         let frame = Self::frame(ToBoard::Steer {
             session: self.steering,
@@ -191,8 +192,8 @@ impl Board {
         self.hear(&frame)
     }
 
-    fn command(&mut self, command: Command) -> Answer {
-        self.steer(Act::Command(command))
+    fn command(&mut self, command: Command) -> LinkAnswer {
+        self.steer(LinkAct::Command(command))
     }
 
     /// Lets a time pass with `each` once in every 50 ms, and says whether the drive was on in the end.
@@ -209,11 +210,11 @@ impl Board {
 
     /// Lets time pass, with signs of life, until the drive is on.
     fn starts(&mut self, mode: Mode) {
-        assert_eq!(self.command(Command::Start(mode)), Answer::Done);
+        assert_eq!(self.command(Command::Start(mode)), LinkAnswer::Done);
         let mut ms = 0;
         while !self.pass(50, |board| {
             if mode == Mode::Manual {
-                assert_eq!(board.command(Command::Alive), Answer::Done);
+                assert_eq!(board.command(Command::Alive), LinkAnswer::Done);
             }
         }) {
             ms += 50;
@@ -234,11 +235,14 @@ fn status_requests_of_another_program_do_not_keep_the_drive_on() {
     // Its own signs of life do, just within the timeout of 2 s.
     for _ in 0..3 {
         assert!(board.pass(1950, |_| {}));
-        assert_eq!(board.command(Command::Alive), Answer::Done);
+        assert_eq!(board.command(Command::Alive), LinkAnswer::Done);
     }
     // Now it is silent, and another one looks twenty times a second.
     let on = board.pass(2010, |board| {
-        assert!(matches!(board.ask(ToBoard::GetStatus), Answer::Status(_)));
+        assert!(matches!(
+            board.ask(ToBoard::GetStatus),
+            LinkAnswer::Status(_)
+        ));
         board.ask(ToBoard::Hello);
         board.ask(ToBoard::GetBoard);
     });
@@ -255,8 +259,8 @@ fn recorded_frames_sent_again_do_not_keep_the_drive_on_or_start_it() {
     assert!(recorded.len() > 3);
     let again = |board: &mut Board| {
         for frame in &recorded {
-            let refused = Answer::Refused(Refusal::Old);
-            let over = Answer::Refused(Refusal::NoSession);
+            let refused = LinkAnswer::Refused(Refusal::Old);
+            let over = LinkAnswer::Refused(Refusal::NoSession);
             let answer = board.hear(frame);
             assert!(answer == refused || answer == over, "{answer:?}");
         }
@@ -265,7 +269,7 @@ fn recorded_frames_sent_again_do_not_keep_the_drive_on_or_start_it() {
     assert_eq!(board.fault(), Some(Fault::LinkTimeout));
     // Nor do they start it, in this boot, under another session or after a reset.
     board.open();
-    assert_eq!(board.command(Command::ClearFault), Answer::Done);
+    assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
     assert!(!board.pass(3000, again));
     assert_eq!(board.rig.status().state, State::Idle);
     board.rig.boot += 1;
@@ -279,10 +283,10 @@ fn anybody_may_stop() {
     let mut board = Board::with(|_| {});
     board.open();
     board.starts(Mode::Manual);
-    assert_eq!(board.ask(ToBoard::Command(Command::Stop)), Answer::Done);
+    assert_eq!(board.ask(ToBoard::Command(Command::Stop)), LinkAnswer::Done);
     // Who steers goes on with its signs of life, and that does not start it again.
     let on = board.pass(3000, |board| {
-        assert_eq!(board.command(Command::Alive), Answer::Done);
+        assert_eq!(board.command(Command::Alive), LinkAnswer::Done);
     });
     assert!(!on);
     assert_eq!(
@@ -296,7 +300,7 @@ fn automatic_mode_needs_a_heartbeat_only_where_it_is_asked_for() {
     let mut free = Board::with(|_| {});
     free.open();
     free.starts(Mode::Automatic);
-    assert_eq!(free.steer(Act::Release), Answer::Done);
+    assert_eq!(free.steer(LinkAct::Release), LinkAnswer::Done);
     assert!(free.pass(2600, |_| {}));
 
     let heartbeat = |settings: &mut Settings| {
@@ -307,10 +311,10 @@ fn automatic_mode_needs_a_heartbeat_only_where_it_is_asked_for() {
     let mut kept = Board::with(heartbeat);
     kept.open();
     kept.command(Command::Start(Mode::Automatic));
-    assert_eq!(kept.command(Command::Alive), Answer::Done);
+    assert_eq!(kept.command(Command::Alive), LinkAnswer::Done);
     for _ in 0..100 {
         kept.pass(50, |_| {});
-        assert_eq!(kept.command(Command::Alive), Answer::Done);
+        assert_eq!(kept.command(Command::Alive), LinkAnswer::Done);
     }
     // As long as it is heard: just within the timeout, and just beyond it.
     assert!(kept.pass(1990, |_| {}), "{:?}", kept.rig.status());
@@ -339,8 +343,8 @@ fn after_an_emergency_stop(board: &mut Board, closed_ms: u32) {
     board.pass(closed_ms, |_| {});
 }
 
-fn refused(why: Refused) -> Answer {
-    Answer::Refused(Refusal::Controller(why))
+fn refused(why: Refused) -> LinkAnswer {
+    LinkAnswer::Refused(Refusal::Controller(why))
 }
 
 #[test]
@@ -348,7 +352,7 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
     let mut free = Board::with(|_| {});
     free.open();
     after_an_emergency_stop(&mut free, 5);
-    assert_eq!(free.command(Command::ClearFault), Answer::Done);
+    assert_eq!(free.command(Command::ClearFault), LinkAnswer::Done);
 
     let mut board = Board::with(|settings| settings.operator.acknowledge = true);
     board.open();
@@ -363,21 +367,21 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
     assert_eq!(pressed, Err(Refused::StillFaulty));
     assert_eq!(board.command(Command::ClearFault), not_yet);
     // The link cannot do it, nor change the rule: neither by settings nor by a confirmation.
-    let at_the_board = Answer::Refused(Refusal::AtTheBoard);
+    let at_the_board = LinkAnswer::Refused(Refusal::AtTheBoard);
     assert_eq!(board.command(Command::Acknowledge), at_the_board);
     let mut lax = *board.rig.bench.controller.settings();
     lax.operator.acknowledge = false;
-    assert_eq!(board.steer(Act::SetSettings(lax)), Answer::Done);
+    assert_eq!(board.steer(LinkAct::SetSettings(lax)), LinkAnswer::Done);
     board.pass(4, |_| {});
     assert_eq!(board.command(Command::ClearFault), not_yet);
     assert!(matches!(
         board.ask(ToBoard::GetBoard),
-        Answer::Board(state) if state.awaits_acknowledgement
+        LinkAnswer::Board(state) if state.awaits_acknowledgement
     ));
     // Pressed after the chain has been closed for 20 ms, it does.
     assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
     assert_eq!(board.rig.status().state, State::Fault);
-    assert_eq!(board.command(Command::ClearFault), Answer::Done);
+    assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
     let again = board.rig.command(Command::Acknowledge);
     assert_eq!(again, Err(Refused::WrongState));
 }
@@ -392,9 +396,9 @@ fn each_start_wants_the_chain_tried_where_an_acknowledgement_is_asked_for() {
         assert_eq!(board.command(start), not_tried);
         after_an_emergency_stop(&mut board, 30);
         assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
-        assert_eq!(board.command(Command::ClearFault), Answer::Done);
-        assert_eq!(board.command(start), Answer::Done);
-        assert_eq!(board.command(Command::Stop), Answer::Done);
+        assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
+        assert_eq!(board.command(start), LinkAnswer::Done);
+        assert_eq!(board.command(Command::Stop), LinkAnswer::Done);
     }
 }
 
@@ -415,7 +419,7 @@ fn a_reset_acknowledges_no_emergency_stop() {
     let not_yet = refused(Refused::NotAcknowledged);
     assert_eq!(board.command(Command::ClearFault), not_yet);
     assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
-    assert_eq!(board.command(Command::ClearFault), Answer::Done);
+    assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
 }
 
 #[test]
@@ -432,7 +436,7 @@ fn a_board_whose_settings_are_not_known_to_be_its_rigs_does_not_start() {
         board.pass(5, |_| {});
         let start = Command::Start(Mode::Manual);
         if state.can_drive() {
-            assert_eq!(board.command(start), Answer::Done, "{state:?}");
+            assert_eq!(board.command(start), LinkAnswer::Done, "{state:?}");
             continue;
         }
         let why = Refused::SettingsUnknown(state);
@@ -443,15 +447,18 @@ fn a_board_whose_settings_are_not_known_to_be_its_rigs_does_not_start() {
         // Confirmed or sent anew, it does.
         let confirmed = board.command(Command::ConfirmSettings);
         if state == OlderCopy {
-            assert_eq!(confirmed, Answer::Done);
+            assert_eq!(confirmed, LinkAnswer::Done);
         } else {
             assert_eq!(confirmed, refused(Refused::WrongState));
-            assert_eq!(board.steer(Act::SetSettings(settings)), Answer::Done);
+            assert_eq!(
+                board.steer(LinkAct::SetSettings(settings)),
+                LinkAnswer::Done
+            );
         }
         board.pass(5, |_| {});
         assert_eq!(
             board.command(Command::ClearFault),
-            Answer::Done,
+            LinkAnswer::Done,
             "{state:?}"
         );
         board.starts(Mode::Manual);
@@ -467,7 +474,10 @@ fn new_settings_do_not_clear_a_fault_whose_cause_stands() {
     board.pass(1, |_| {});
     let settings = *board.rig.bench.controller.settings();
     // Both within one block.
-    assert_eq!(board.steer(Act::SetSettings(settings)), Answer::Done);
+    assert_eq!(
+        board.steer(LinkAct::SetSettings(settings)),
+        LinkAnswer::Done
+    );
     let cleared = board.command(Command::ClearFault);
     assert_eq!(cleared, refused(Refused::StillFaulty));
     assert_eq!(board.fault(), Some(Fault::EmergencyStop));
@@ -477,7 +487,7 @@ fn new_settings_do_not_clear_a_fault_whose_cause_stands() {
 fn events_that_nobody_took_are_counted_over_the_link() {
     let mut board = Board::with(|_| ());
     let lost = |board: &mut Board| match board.ask(ToBoard::GetStatus) {
-        Answer::Status(status) => status.events_dropped,
+        LinkAnswer::Status(status) => status.events_dropped,
         other => panic!("{other:?}"),
     };
     assert_eq!(lost(&mut board), 0);

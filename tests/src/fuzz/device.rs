@@ -1,10 +1,11 @@
 //! A board without a controller behind it.
 
 use shared::control::{BootInfo, Command, Controller, Refused, Status};
-use shared::fault::Record;
-use shared::forecast::{Forecast, Row};
+use shared::fault::FaultRecord;
+use shared::forecast::{Forecast, ForecastRow};
 use shared::link::{
-    Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    Boot, Device, ForecastPage, Hello, Identified, LinkName, PROTOCOL_VERSION, RecordedBlock,
+    Refusal,
 };
 use shared::model::params::WIRES;
 use shared::model::regime::Regime;
@@ -35,8 +36,8 @@ impl Device for Bench {
     fn hello(&mut self) -> Hello {
         Hello {
             protocol: PROTOCOL_VERSION,
-            firmware: Name::new(),
-            board: Name::new(),
+            firmware: LinkName::new(),
+            board: LinkName::new(),
             tick_rate_hz: 20_000,
             block_ticks: 10,
         }
@@ -61,7 +62,7 @@ impl Device for Bench {
         Ok(())
     }
     fn forecast(&mut self, page: u8) -> ForecastPage {
-        let row = Row {
+        let row = ForecastRow {
             frequency_hz: 3.0,
             regime: Regime::None,
             force_n: 0.0,
@@ -74,7 +75,7 @@ impl Device for Bench {
         };
         ForecastPage::of(Some(&forecast), page)
     }
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         None
     }
     fn identified(&mut self) -> Identified {

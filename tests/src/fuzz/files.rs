@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use emulator::log::{Block, Header, Input, Reader, Tick, Writer};
+use emulator::log::{Header, LogBlock, LogInput, LogReader, LogTick, LogWriter};
 use emulator::scenario;
 use files::{Measurements, UserError, rigfile};
 use numerics::NamedRig;
@@ -115,7 +115,7 @@ pub fn log(data: &[u8]) {
 }
 
 fn read(path: &Path) -> Result<usize, UserError> {
-    let mut log = Reader::open(path)?;
+    let mut log = LogReader::open(path)?;
     let mut ticks = 0;
     while let Some(block) = log.block()? {
         assert!(!block.ticks.is_empty());
@@ -138,14 +138,14 @@ fn good_log() -> &'static [u8] {
             scenario: None,
             made_from: None,
         };
-        let mut writer = Writer::create(&path, &header).expect("room for a log");
+        let mut writer = LogWriter::create(&path, &header).expect("room for a log");
         for k in 0..4 {
-            let block = Block {
-                inputs: vec![Input::Command(Command::Stop); k % 2],
+            let block = LogBlock {
+                inputs: vec![LogInput::Command(Command::Stop); k % 2],
                 slices: Some(20),
-                ticks: vec![Tick::default(); 10],
+                ticks: vec![LogTick::default(); 10],
                 state: Some(State::Idle),
-                ..Block::default()
+                ..LogBlock::default()
             };
             writer.block(&block).expect("room for a block");
         }

@@ -1,6 +1,6 @@
 //! Bytes from the wire.
 
-use shared::link::{Answer, Decoder, FromBoard, MAX_FRAME, Packet, Session, ToBoard, encode};
+use shared::link::{Decoder, FromBoard, LinkAnswer, MAX_FRAME, Packet, Session, ToBoard, encode};
 
 use super::CRC_32;
 use super::device::Bench;
@@ -68,7 +68,7 @@ fn to_the_board(stream: &[u8]) {
         message,
         FromBoard::Answer {
             request: 77,
-            answer: Answer::Hello(_)
+            answer: LinkAnswer::Hello(_)
         }
     );
     assert!(answered, "{message:?}");

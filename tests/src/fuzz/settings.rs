@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::{
     ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash,
 };
-use shared::link::store::{IMAGE_BYTES, Loaded, Saved, Store};
+use shared::link::store::{IMAGE_BYTES, Loaded, Saved, SlotStore};
 use shared::model::params::WIRES;
 use shared::settings::Settings;
 
@@ -29,7 +29,7 @@ pub fn settings(data: &[u8]) {
             stored(slot, bytes, (mode >> 2 >> (3 * i)) & 7);
         }
     }
-    let mut store = Store::new(flash, [0..SLOT as u32, SLOT as u32..2 * SLOT as u32]);
+    let mut store = SlotStore::new(flash, [0..SLOT as u32, SLOT as u32..2 * SLOT as u32]);
     match store.load() {
         Ok(Loaded::Settings(settings)) => {
             assert!(settings.check().is_ok(), "{settings:?}");

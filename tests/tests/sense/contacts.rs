@@ -1,6 +1,6 @@
 //! Every contact is seen once, and measured.
 
-use numerics::reference::Contact;
+use numerics::reference::LocatedContact;
 use shared::model::params::{BEAM_150, RigParams, WIRES};
 use shared::sense::Pulse;
 use shared::settings::{Settings, TICK_S};
@@ -13,7 +13,7 @@ use crate::{Seen, spread, watch};
 ///
 /// # Panics
 /// If a contact was not seen exactly once, or a pulse has no contact.
-fn matched(seen: &Seen) -> Vec<(Contact, Pulse)> {
+fn matched(seen: &Seen) -> Vec<(LocatedContact, Pulse)> {
     let period_s = 1.0 / seen.recording.drive.frequency_hz();
     let end_s = seen.recording.samples.len() as f64 * TICK_S;
     let within = |t: f64| t > 2.0 * period_s && t < end_s - period_s;
@@ -109,7 +109,8 @@ fn speeds_are_good(settings: &Settings, rig: &RigParams, ratio: f64) {
         let approach = off(pulse.approach_m_per_s, contact.approach_speed_m_per_s);
         assert!(approach.abs() < 0.05, "{ratio}: approach {approach}");
     }
-    let rebound = |(c, p): &(Contact, Pulse)| off(p.rebound_m_per_s, c.rebound_speed_m_per_s);
+    let rebound =
+        |(c, p): &(LocatedContact, Pulse)| off(p.rebound_m_per_s, c.rebound_speed_m_per_s);
     let (mean, scatter) = spread(pairs.iter().map(rebound));
     assert!(mean.abs() < 0.05, "{ratio}: rebound {mean}");
     assert!(scatter < 0.1, "{ratio}: rebound scatters by {scatter}");

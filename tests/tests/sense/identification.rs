@@ -2,13 +2,13 @@
 
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, RigParams, WIRES};
-use shared::sense::identification::{Estimate, Estimates};
+use shared::sense::identification::{Estimates, OnlineEstimate};
 use shared::settings::Settings;
 
 use crate::rig::{REAL, Ring, Sensors};
 use crate::watch;
 
-fn off(estimate: Option<Estimate>, truth: f64) -> f64 {
+fn off(estimate: Option<OnlineEstimate>, truth: f64) -> f64 {
     f64::from(estimate.expect("told").value) / truth - 1.0
 }
 

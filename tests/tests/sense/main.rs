@@ -9,7 +9,7 @@ mod rig;
 use rig::{Recording, Sensors, record};
 use shared::model::params::RigParams;
 use shared::sense::identification::Identification;
-use shared::sense::{Measured, Pulse, Sense, Strobe};
+use shared::sense::{Pulse, Sense, SensedRegime, Strobe};
 use shared::settings::Settings;
 
 /// Periods recorded: at 100 one contact more or less shows, and a mean is known to a tenth of its scatter.
@@ -21,7 +21,7 @@ struct Seen {
     pulses: Vec<Pulse>,
     strobes: Vec<Strobe>,
     /// At every strobe.
-    measured: Vec<Measured>,
+    measured: Vec<SensedRegime>,
     /// The observer's innovation at every strobe.
     health: Vec<f32>,
     identify: Identification,

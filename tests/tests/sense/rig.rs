@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use numerics::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{LocatedContact, Reference, Segment, TrajectoryObserver};
 use shared::io::{AdcCode, Channel};
 use shared::model::drive::Drive;
 use shared::model::params::RigParams;
@@ -55,7 +55,7 @@ pub const REAL: Sensors = Sensors {
 pub struct Recording {
     pub drive: Drive<f32>,
     pub samples: Vec<Sample>,
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<LocatedContact>,
 }
 
 #[derive(Default)]
@@ -65,10 +65,10 @@ struct Watch {
     shift_s: f64,
     relative: Vec<f64>,
     force: Vec<(usize, f64)>,
-    contacts: Vec<Contact>,
+    contacts: Vec<LocatedContact>,
 }
 
-impl Observer for Watch {
+impl TrajectoryObserver for Watch {
     fn segment(&mut self, segment: &Segment) {
         let origin = (segment.cycle as f64 - self.start_cycle) / self.frequency_hz + self.shift_s;
         let (start, end) = (segment.start.t, segment.end.t);
@@ -80,7 +80,7 @@ impl Observer for Watch {
             let (q, _) = segment.at(t.max(start));
             self.relative.push(segment.rig.relative_displacement(q));
         }
-        if segment.mode == shared::model::rig::Mode::Contact {
+        if segment.mode == shared::model::rig::SwitchMode::Contact {
             let fine = TICK_S / FINE as f64;
             let mut k = ((start + origin) / fine - 0.5).ceil().max(0.0);
             while (k + 0.5) * fine < end + origin {
@@ -91,10 +91,10 @@ impl Observer for Watch {
         }
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &LocatedContact) {
         let onset_s = contact.onset_s + self.shift_s - self.start_cycle / self.frequency_hz;
         if onset_s > 0.0 {
-            self.contacts.push(Contact {
+            self.contacts.push(LocatedContact {
                 onset_s,
                 // From the onset on, here.
                 peak_at_s: contact.peak_at_s - contact.onset_s,

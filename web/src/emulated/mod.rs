@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 
 use emulator::board::Served;
-use emulator::record::{Contact, Event, Observer, TickRow};
+use emulator::record::{RunEvent, RunObserver, TickRow, TrueContact};
 use emulator::run::Run;
 use emulator::scenario::{self, BUILTIN, Scenario};
 use serde::{Deserialize, Serialize};
@@ -77,17 +77,17 @@ struct Line {
     text: String,
 }
 
-impl Observer for Truth {
+impl RunObserver for Truth {
     fn tick(&mut self, row: &TickRow) {
         (self.time_s, self.powered) = (row.time_s, row.powered);
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         self.contacts += 1;
         (self.peak_n, self.impulse_n_s) = (contact.peak_force_n, contact.impulse_n_s);
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         if self.events.len() >= LINES {
             self.events.pop_front();
         }

@@ -1,5 +1,5 @@
 use emulator::local::Local;
-use emulator::log::Reader;
+use emulator::log::LogReader;
 use serde_json::{Value, json};
 use shared::settings::TICK_RATE_HZ;
 
@@ -107,7 +107,7 @@ fn a_rig_is_started_broken_stopped_and_recorded_over_its_link() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("page.parquet");
     std::fs::write(&path, bytes).expect("room");
-    let mut log = Reader::open(&path).expect("a log");
+    let mut log = LogReader::open(&path).expect("a log");
     assert_eq!(log.header().source, "emulator");
     assert!(log.ticks() > 14 * u64::from(TICK_RATE_HZ));
     let mut driven = false;

@@ -10,7 +10,7 @@ use crate::{bytes, json};
 
 #[derive(Deserialize)]
 struct Asked {
-    rig: rig::Asked,
+    rig: rig::RigAsked,
     /// Clearances over the cart's amplitude.
     gap_ratios: Vec<f64>,
     /// Ω/ω.

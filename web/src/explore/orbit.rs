@@ -2,8 +2,8 @@
 
 use numerics::NamedRig;
 use numerics::basins::{AttractorShare, BasinsRequest, explore};
-use numerics::engine::answer::{Answer, ContactRow, SectionRow, contact_rows, section_rows};
-use numerics::engine::{Engine, Plan, Recorder, Sample, Start, machine, observe};
+use numerics::engine::answer::{ContactRow, RunAnswer, SectionRow, contact_rows, section_rows};
+use numerics::engine::{CycleRecorder, Engine, Plan, RecordedSample, Start, machine, observe};
 use numerics::orbit::{Orbit, Stability, shoot_periods};
 use serde::{Deserialize, Serialize};
 use shared::model::rig::Rig;
@@ -13,7 +13,7 @@ use crate::json::{read, write};
 
 #[derive(Deserialize)]
 struct Asked {
-    rig: rig::Asked,
+    rig: rig::RigAsked,
     gap_mm: f64,
     frequency_hz: f64,
     /// Coordinate and rate at drive phase 0, in A0 and A0 Ω; left out: from rest.
@@ -83,11 +83,11 @@ impl Multipliers {
 struct Found {
     /// As `simulate` answers.
     #[serde(flatten)]
-    answer: Answer,
+    answer: RunAnswer,
     /// Of the periodic orbit that the run settled on, if it did and touches.
     orbit: Option<Multipliers>,
     /// The last drive periods of the run.
-    history: Vec<Sample>,
+    history: Vec<RecordedSample>,
     /// Drive periods of them.
     history_periods: u32,
     /// The recorded cycles at drive phase 0.
@@ -107,15 +107,15 @@ pub fn orbit(argument: &[u8]) -> Result<Vec<u8>, String> {
         asked.start(&rig)?,
     )
     .map_err(line)?;
-    let mut recorder = Recorder::default();
+    let mut recorder = CycleRecorder::default();
     let seen = observe(hammer.as_mut(), PLAN, &mut recorder).map_err(line)?;
-    let answer = Answer::new(&rig, Engine::Event, PLAN, &seen, &recorder);
+    let answer = RunAnswer::new(&rig, Engine::Event, PLAN, &seen, &recorder);
     let section = section_rows(&seen, hammer.rig());
     let settled = hammer.section();
     let periods = seen.regime.periods().unwrap_or(1);
-    let mut history = Recorder {
+    let mut history = CycleRecorder {
         samples_per_period: SAMPLES,
-        ..Recorder::default()
+        ..CycleRecorder::default()
     };
     let history_periods = u32::from(periods).max(SHOWN);
     for _ in 0..history_periods {

@@ -1,9 +1,9 @@
 //! The recommendation.
 
-use files::words::pick::Worded;
-use numerics::Limits;
+use files::words::pick::WordedPick;
+use numerics::PickLimits;
 use numerics::pick::outline::outline;
-use numerics::pick::{Answer, Springs, pick_on};
+use numerics::pick::{PickAnswer, Springs, pick_on};
 use serde::{Deserialize, Serialize};
 
 use super::rig;
@@ -11,7 +11,7 @@ use crate::json::{read, write};
 
 #[derive(Deserialize)]
 struct Asked {
-    rig: rig::Asked,
+    rig: rig::RigAsked,
     gap_mm: f64,
     /// For the rig as it stands, without its uncertainty: quicker.
     nominal: bool,
@@ -24,7 +24,7 @@ struct Asked {
 struct Found<'a> {
     /// As `pick` answers.
     #[serde(flatten)]
-    answer: Worded<'a>,
+    answer: WordedPick<'a>,
     /// The nominal stable 1/1: Hz and force ratio.
     curve: &'a [(f64, f64)],
 }
@@ -34,7 +34,7 @@ const SAMPLES: (u32, u64) = (256, 1);
 
 #[derive(Deserialize)]
 struct First {
-    rig: rig::Asked,
+    rig: rig::RigAsked,
     gap_mm: f64,
 }
 
@@ -54,7 +54,7 @@ pub fn pick(argument: &[u8]) -> Result<Vec<u8>, String> {
         .stated
         .complete(samples, seed, rig.params.cart.recoils());
     let uncertainty = (!asked.nominal).then_some(whole);
-    let limits = Limits {
+    let limits = PickLimits {
         max_force_n: asked.max_force_n,
         max_frequency_hz: asked.max_frequency_hz,
         max_shaker_force_n: asked.max_shaker_force_n,
@@ -62,7 +62,7 @@ pub fn pick(argument: &[u8]) -> Result<Vec<u8>, String> {
     };
     let found = pick_on(&rig, Springs::default(), uncertainty, limits, &())
         .map_err(|e| files::UserError::from(e).to_string())?;
-    let answer: &Answer = &found.answer;
+    let answer: &PickAnswer = &found.answer;
     write(&Found {
         answer: answer.into(),
         curve: &found.curve,

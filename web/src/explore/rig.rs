@@ -11,7 +11,7 @@ use crate::json::{read, write};
 
 /// Which rig.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Asked {
+pub struct RigAsked {
     /// A preset's name, or the name of the file whose text is given.
     source: String,
     /// The text of a rig file.
@@ -23,7 +23,7 @@ pub struct Asked {
     recoil: Option<bool>,
 }
 
-impl Asked {
+impl RigAsked {
     /// The rig.
     ///
     /// # Errors
@@ -82,7 +82,7 @@ struct Whole {
 
 /// Everything of a rig that the page shows.
 pub fn rig(argument: &[u8]) -> Result<Vec<u8>, String> {
-    let asked: Asked = read(argument)?;
+    let asked: RigAsked = read(argument)?;
     let rig = asked.rig()?;
     let whole = rig.recoiling().unwrap_or_else(|| rig.clone());
     let parameters = rigfile::parameters_of(&whole.params).into_iter();

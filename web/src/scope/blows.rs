@@ -16,7 +16,7 @@ const BELOW: f32 = 0.1;
 
 /// A blow as the force sensor measured it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Blow {
+pub struct MeasuredBlow {
     /// When it began, s since the scope's first tick.
     pub time_s: f64,
     /// Largest force, N.
@@ -31,8 +31,8 @@ pub struct Blow {
 #[derive(Debug)]
 pub struct Blows {
     detection: Detection,
-    last: VecDeque<Blow>,
-    now: Option<Blow>,
+    last: VecDeque<MeasuredBlow>,
+    now: Option<MeasuredBlow>,
     /// How long the force has been low, s.
     low_s: f32,
     cart: Cart,
@@ -82,7 +82,7 @@ impl Blows {
     }
 
     /// The last ones, oldest first.
-    pub fn last(&self) -> impl Iterator<Item = &Blow> {
+    pub fn last(&self) -> impl Iterator<Item = &MeasuredBlow> {
         self.last.iter()
     }
 
@@ -103,7 +103,7 @@ impl Blows {
         let Some(blow) = &mut self.now else {
             if force_n > on_n {
                 self.low_s = 0.0;
-                self.now = Some(Blow {
+                self.now = Some(MeasuredBlow {
                     time_s,
                     peak_n: force_n,
                     impulse_n_s: force_n * TICK,

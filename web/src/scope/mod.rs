@@ -8,8 +8,8 @@ use shared::link::RecordedBlock;
 use shared::model::params::WIRES;
 use shared::settings::{Settings, TICK_RATE_HZ, TICK_S};
 
-pub use blows::Blow;
 use blows::Blows;
+pub use blows::MeasuredBlow;
 
 /// Ticks kept: 13 s.
 const KEPT: usize = 1 << 18;
@@ -72,7 +72,7 @@ impl Scope {
     }
 
     /// The last blows, oldest first.
-    pub fn blows(&self) -> impl Iterator<Item = &Blow> {
+    pub fn blows(&self) -> impl Iterator<Item = &MeasuredBlow> {
         self.blows.last()
     }
 

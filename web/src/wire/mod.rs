@@ -8,15 +8,15 @@ use std::cell::RefCell;
 
 use files::settings_file;
 use serde::Deserialize;
-use shared::link::{Answer, FromBoard, Hello, PROTOCOL_VERSION};
+use shared::link::{FromBoard, Hello, LinkAnswer, PROTOCOL_VERSION};
 use shared::settings::Settings;
 use wire::Caller;
 
 use crate::Function;
 use crate::json::{read, write};
-use crate::record::Recorder;
+use crate::record::StreamRecorder;
 use crate::scope::Scope;
-use request::Wanted;
+use request::PageWanted;
 use shown::{Heard, shown};
 
 /// The functions of the protocol and the scope behind it.
@@ -38,7 +38,7 @@ struct Conversation {
     hello: Option<Hello>,
     settings: Option<Settings>,
     scope: Scope,
-    recorder: Option<Recorder>,
+    recorder: Option<StreamRecorder>,
 }
 
 thread_local! {
@@ -73,13 +73,13 @@ fn open(argument: &[u8]) -> Result<Vec<u8>, String> {
 
 /// The number of a request (two bytes, least first), then its frame.
 fn request(argument: &[u8]) -> Result<Vec<u8>, String> {
-    let wanted: Wanted = read(argument)?;
+    let wanted: PageWanted = read(argument)?;
     with(|open| {
         let message = wanted.message(&open.caller, open.settings.as_ref())?;
         let frame = open.caller.frame(message);
         let frame = frame.ok_or("the request is too long: a fault of the program")?;
         let mut bytes = open.caller.sequence().to_le_bytes().to_vec();
-        if matches!(wanted, Wanted::Hello) {
+        if matches!(wanted, PageWanted::Hello) {
             // Ends whatever half frame the board may be in.
             bytes.push(0);
         }
@@ -99,7 +99,7 @@ fn hear(bytes: &[u8]) -> Result<Vec<u8>, String> {
                     heard.answers.push(shown(request, &answer));
                 }
                 Some(FromBoard::Telemetry(telemetry)) => {
-                    heard.status = Some(shown::Status::of(&telemetry.status));
+                    heard.status = Some(shown::ShownStatus::of(&telemetry.status));
                     heard.dropped_by_board = telemetry.dropped;
                 }
                 Some(FromBoard::Recording(recording)) => {
@@ -115,22 +115,22 @@ fn hear(bytes: &[u8]) -> Result<Vec<u8>, String> {
         heard.lost = open.caller.lost();
         heard.gaps = open.scope.gaps();
         heard.lost_ticks = open.scope.lost_ticks();
-        heard.recorded_s = open.recorder.as_ref().map(Recorder::seconds);
-        heard.recording_broke = open.recorder.as_ref().and_then(Recorder::broke);
+        heard.recorded_s = open.recorder.as_ref().map(StreamRecorder::seconds);
+        heard.recording_broke = open.recorder.as_ref().and_then(StreamRecorder::broke);
         write(&heard)
     })
 }
 
 impl Conversation {
     /// What later requests and the scope need of an answer.
-    fn learn(&mut self, answer: &Answer) {
+    fn learn(&mut self, answer: &LinkAnswer) {
         match answer {
-            Answer::Hello(hello) => self.hello = Some(hello.clone()),
-            Answer::Settings(settings) => {
+            LinkAnswer::Hello(hello) => self.hello = Some(hello.clone()),
+            LinkAnswer::Settings(settings) => {
                 self.settings = Some(*settings);
                 self.scope.calibrate(settings);
             }
-            Answer::Session(session) => self.caller.granted(*session),
+            LinkAnswer::Session(session) => self.caller.granted(*session),
             _ => {}
         }
     }
@@ -213,7 +213,11 @@ fn record(argument: &[u8]) -> Result<Vec<u8>, String> {
             .hello
             .as_ref()
             .ok_or("the board has not said its name yet")?;
-        open.recorder = Some(Recorder::new(hello, &settings, &made_from.to_string())?);
+        open.recorder = Some(StreamRecorder::new(
+            hello,
+            &settings,
+            &made_from.to_string(),
+        )?);
         Ok(Vec::new())
     })
 }

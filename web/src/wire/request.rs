@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use shared::control::{Command, Mode};
-use shared::link::{Act, ToBoard};
+use shared::link::{LinkAct, ToBoard};
 use shared::settings::Settings;
 use wire::Caller;
 
@@ -11,7 +11,7 @@ use super::overlaid;
 /// A request as the page's scripts write it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Wanted {
+pub enum PageWanted {
     /// Versions and names.
     Hello,
     /// What the controller is doing.
@@ -68,7 +68,7 @@ pub enum Wanted {
     },
 }
 
-impl Wanted {
+impl PageWanted {
     /// The message to send.
     ///
     /// # Errors
@@ -97,20 +97,20 @@ impl Wanted {
             }
             // Needs no session.
             Self::Stop => return Ok(ToBoard::Command(Command::Stop)),
-            Self::Release => Act::Release,
-            Self::Alive => Act::Command(Command::Alive),
-            Self::Start { manual: true } => Act::Command(Command::Start(Mode::Manual)),
-            Self::Start { manual: false } => Act::Command(Command::Start(Mode::Automatic)),
+            Self::Release => LinkAct::Release,
+            Self::Alive => LinkAct::Command(Command::Alive),
+            Self::Start { manual: true } => LinkAct::Command(Command::Start(Mode::Manual)),
+            Self::Start { manual: false } => LinkAct::Command(Command::Start(Mode::Automatic)),
             Self::SetPoint {
                 frequency_hz,
                 amplitude_mm,
-            } => Act::Command(Command::SetPoint {
+            } => LinkAct::Command(Command::SetPoint {
                 frequency_hz: *frequency_hz,
                 amplitude_m: 1e-3 * amplitude_mm,
             }),
-            Self::ClearFault => Act::Command(Command::ClearFault),
-            Self::Confirm => Act::Command(Command::ConfirmSettings),
-            Self::SetSettings { toml } => Act::SetSettings(overlaid(now, toml)?),
+            Self::ClearFault => LinkAct::Command(Command::ClearFault),
+            Self::Confirm => LinkAct::Command(Command::ConfirmSettings),
+            Self::SetSettings { toml } => LinkAct::SetSettings(overlaid(now, toml)?),
         };
         caller
             .steer(act)

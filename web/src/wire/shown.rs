@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use shared::control::{self, Refused, SettingsState};
 use shared::fault::Fault;
-use shared::link::{Answer, Refusal};
+use shared::link::{LinkAnswer, Refusal};
 use shared::settings::TICK_RATE_HZ;
 
 /// What some bytes said.
@@ -15,7 +15,7 @@ pub struct Heard {
     /// Answers in their order: `request`, `kind` and what belongs to it.
     pub answers: Vec<Value>,
     /// The last status, if one was streamed.
-    pub status: Option<Status>,
+    pub status: Option<ShownStatus>,
     /// Packets of the board that did not arrive.
     pub lost: u64,
     /// Those that the board itself could not send, since it started.
@@ -32,7 +32,7 @@ pub struct Heard {
 
 /// A status in names and units.
 #[derive(Debug, Serialize)]
-pub struct Status {
+pub struct ShownStatus {
     time_s: f64,
     state: &'static str,
     frequency_hz: f32,
@@ -51,7 +51,7 @@ pub struct Status {
     fault: Option<Value>,
 }
 
-impl Status {
+impl ShownStatus {
     /// Of a controller's status.
     pub fn of(status: &control::Status) -> Self {
         Self {
@@ -85,30 +85,30 @@ impl Status {
 }
 
 /// An answer to the request of this number.
-pub fn shown(request: u16, answer: &Answer) -> Value {
+pub fn shown(request: u16, answer: &LinkAnswer) -> Value {
     match answer {
-        Answer::Hello(hello) => json!({
+        LinkAnswer::Hello(hello) => json!({
             "request": request, "kind": "hello", "fits": super::fits(hello), "protocol": hello.protocol,
             "firmware": hello.firmware.as_str(), "board": hello.board.as_str(), "block_ticks": hello.block_ticks,
         }),
-        Answer::Done => json!({ "request": request, "kind": "done" }),
-        Answer::Refused(refusal) => {
+        LinkAnswer::Done => json!({ "request": request, "kind": "done" }),
+        LinkAnswer::Refused(refusal) => {
             json!({ "request": request, "kind": "refused", "why": reason(*refusal) })
         }
-        Answer::Status(status) => {
-            json!({ "request": request, "kind": "status", "status": Status::of(status) })
+        LinkAnswer::Status(status) => {
+            json!({ "request": request, "kind": "status", "status": ShownStatus::of(status) })
         }
-        Answer::Settings(settings) => json!({
+        LinkAnswer::Settings(settings) => json!({
             "request": request, "kind": "settings", "toml": settings_file::to_toml(settings),
             "min_frequency_hz": settings.limits.min_frequency_hz, "max_frequency_hz": settings.limits.max_frequency_hz,
             "limit_amplitude_mm": 1e3 * settings.limits.amplitude_m, "limit_force_n": settings.limits.force_n,
             "amplitude_mm": 1e3 * settings.rig.amplitude_m, "link_timeout_s": settings.trips.link_timeout_s,
         }),
-        Answer::Board(board) => json!({
+        LinkAnswer::Board(board) => json!({
             "request": request, "kind": "board", "boot": board.boot, "granted": board.granted, "held": board.held,
             "settings": board.settings, "awaits_acknowledgement": board.awaits_acknowledgement,
         }),
-        Answer::Session(_) => json!({ "request": request, "kind": "session" }),
+        LinkAnswer::Session(_) => json!({ "request": request, "kind": "session" }),
         other => json!({ "request": request, "kind": "other", "text": format!("{other:?}") }),
     }
 }

@@ -13,7 +13,7 @@ use flate2::{Compression, GzBuilder};
 use sha2::{Digest, Sha256};
 use tar::{Builder, EntryType, Header};
 
-use crate::{Outcome, command};
+use crate::{JobResult, command};
 
 /// What goes into the archive, by its path in there.
 #[derive(Debug, Default)]
@@ -41,7 +41,7 @@ impl Files {
     }
 
     /// Adds every file below `folder`, below `path`.
-    pub fn add_folder(&mut self, path: &str, folder: &Path) -> Outcome {
+    pub fn add_folder(&mut self, path: &str, folder: &Path) -> JobResult {
         for entry in fs::read_dir(folder)? {
             let entry = entry?.path();
             let name = entry.file_name().unwrap_or_default().to_string_lossy();
@@ -61,7 +61,7 @@ impl Files {
     }
 
     /// The archive, all of it in a folder called `root`, with the time `seconds` since 1970.
-    pub fn archive(&self, root: &str, seconds: u64) -> Outcome<Vec<u8>> {
+    pub fn archive(&self, root: &str, seconds: u64) -> JobResult<Vec<u8>> {
         // 255: no operating system is named.
         let gzip = GzBuilder::new().mtime(0).operating_system(255);
         let mut tar = Builder::new(gzip.write(Vec::new(), Compression::best()));
@@ -81,7 +81,7 @@ impl Files {
 
 /// The time that stands in the archive: `SOURCE_DATE_EPOCH` if it is set, else that of the last commit, else the start of
 /// 1980, the first that every format can hold.
-pub fn time() -> Outcome<u64> {
+pub fn time() -> JobResult<u64> {
     if let Ok(text) = std::env::var("SOURCE_DATE_EPOCH") {
         return text
             .parse()
@@ -96,7 +96,7 @@ pub fn time() -> Outcome<u64> {
 }
 
 /// Writes a file beside its place and renames it, so that none is ever there by half.
-pub fn write(path: &Path, bytes: &[u8]) -> Outcome {
+pub fn write(path: &Path, bytes: &[u8]) -> JobResult {
     let part = PathBuf::from(format!("{}.part", path.display()));
     let written = fs::File::create(&part).and_then(|mut file| {
         file.write_all(bytes)?;
@@ -110,7 +110,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Outcome {
 }
 
 /// A line for each file, as `sha256sum --check` reads it.
-pub fn sums(files: &[PathBuf]) -> Outcome<String> {
+pub fn sums(files: &[PathBuf]) -> JobResult<String> {
     let mut text = String::new();
     for file in files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();

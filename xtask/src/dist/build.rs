@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo, root},
     python,
 };
@@ -30,7 +30,7 @@ pub struct Linking {
 
 impl Linking {
     /// With Zig where the system has the GNU C library and Zig can be had.
-    pub fn choose(target: &str) -> Outcome<Self> {
+    pub fn choose(target: &str) -> JobResult<Self> {
         let environment = python::own_environment()?;
         let gnu = target.ends_with("-linux-gnu");
         let zig = gnu && {
@@ -44,7 +44,7 @@ impl Linking {
     }
 
     /// A command with the environment's programs in the path, and no folder of this machine in what is built.
-    fn prepared(&self, mut command: Command) -> Outcome<Command> {
+    fn prepared(&self, mut command: Command) -> JobResult<Command> {
         let inherited = std::env::var_os("PATH").unwrap_or_default();
         let folders =
             std::iter::once(self.environment.join("bin")).chain(std::env::split_paths(&inherited));
@@ -64,7 +64,7 @@ impl Linking {
     }
 
     /// Builds `host-sim`, with the page in it if there is one; where it is.
-    pub fn program(&self, target: &str, page: bool) -> Outcome<PathBuf> {
+    pub fn program(&self, target: &str, page: bool) -> JobResult<PathBuf> {
         let mut build = self.prepared(cargo())?;
         let (job, triple) = if self.zig {
             ("zigbuild", format!("{target}.{GLIBC}"))
@@ -82,7 +82,7 @@ impl Linking {
     }
 
     /// Builds the wheel into `place`; its time is `seconds` since 1970.
-    pub fn wheel(&self, target: &str, place: &Path, seconds: u64) -> Outcome<PathBuf> {
+    pub fn wheel(&self, target: &str, place: &Path, seconds: u64) -> JobResult<PathBuf> {
         let maturin = Command::new(self.environment.join("bin/maturin"));
         let mut build = self.prepared(maturin)?;
         build.current_dir(root().join("python"));
@@ -102,7 +102,7 @@ impl Linking {
 }
 
 /// Where Cargo keeps the sources of crates.
-fn home() -> Outcome<PathBuf> {
+fn home() -> JobResult<PathBuf> {
     if let Some(home) = std::env::var_os("CARGO_HOME") {
         return Ok(home.into());
     }
@@ -115,7 +115,7 @@ fn target_folder() -> PathBuf {
 }
 
 /// The system that the Rust in use builds for, `x86_64-unknown-linux-gnu` say.
-pub fn target() -> Outcome<String> {
+pub fn target() -> JobResult<String> {
     let about = command::output(Command::new("rustc").arg("-vV"))?;
     let host = about.lines().find_map(|line| line.strip_prefix("host: "));
     Ok(host.ok_or("rustc does not say what it builds for")?.into())

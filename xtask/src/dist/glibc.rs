@@ -6,7 +6,7 @@ use object::{
     read::elf::FileHeader,
 };
 
-use crate::Outcome;
+use crate::JobResult;
 
 /// A version of the GNU C library, as 2.31 is (2, 31).
 pub type Version = (u32, u32);
@@ -24,7 +24,7 @@ const SYSTEMS: &[(Version, &str)] = &[
 ];
 
 /// The newest version that the program asks of the C library; none if it asks for none.
-pub fn needed(program: &[u8]) -> Outcome<Option<Version>> {
+pub fn needed(program: &[u8]) -> JobResult<Option<Version>> {
     let header = FileHeader64::<Endianness>::parse(program)?;
     let endian = header.endian()?;
     let sections = header.sections(endian, program)?;

@@ -10,7 +10,7 @@ use std::{
 use serde::Deserialize;
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo, root},
 };
 
@@ -69,7 +69,7 @@ struct Kind {
 }
 
 /// The one text for the archive: every crate with its licence, then every text once, with the crates it is of.
-pub fn gather(target: &str) -> Outcome<String> {
+pub fn gather(target: &str) -> JobResult<String> {
     let mut ask = cargo();
     ask.args(["metadata", "--locked", "--format-version", "1"]);
     ask.args(["--filter-platform", target]);
@@ -113,7 +113,7 @@ fn reached(metadata: &Metadata) -> Vec<Package> {
     crates
 }
 
-fn text_of(crates: &[Package], ours: &str) -> Outcome<String> {
+fn text_of(crates: &[Package], ours: &str) -> JobResult<String> {
     let mut list = String::new();
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for package in crates {
@@ -149,7 +149,7 @@ fn whole(list: &str, texts: BTreeMap<String, Vec<String>>) -> String {
 
 /// The texts in the crate's folder. Where there is none and the crate may be used under MIT, that licence with the crate's
 /// authors.
-fn texts_of(package: &Package, licence: &str, ours: &str) -> Outcome<Vec<String>> {
+fn texts_of(package: &Package, licence: &str, ours: &str) -> JobResult<Vec<String>> {
     let folder = package.manifest_path.parent().unwrap_or(Path::new("."));
     let mut files = Vec::new();
     find(folder, &mut files)?;
@@ -190,7 +190,7 @@ fn under_mit(package: &Package, ours: &str) -> Option<String> {
 }
 
 /// The files of licences in a folder and those below it: a font has its own.
-fn find(folder: &Path, files: &mut Vec<PathBuf>) -> Outcome {
+fn find(folder: &Path, files: &mut Vec<PathBuf>) -> JobResult {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -16,7 +16,7 @@ use archive::Files;
 use build::Linking;
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, root},
     desktop::{self, Build},
     python, web,
@@ -24,14 +24,14 @@ use crate::{
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Plan {
+pub enum DistPlan {
     /// Build everything and try it.
     Whole,
     /// Pack the program of the tests, and look at the archive.
     Check,
 }
 
-impl Plan {
+impl DistPlan {
     /// Reads the options behind `cargo xtask dist`.
     pub fn parse(words: &[&str]) -> Result<Self, String> {
         match words {
@@ -43,14 +43,14 @@ impl Plan {
 }
 
 /// Does it.
-pub fn run(plan: &Plan, build: &Build) -> Outcome {
+pub fn run(plan: &DistPlan, build: &Build) -> JobResult {
     match plan {
-        Plan::Whole => whole(),
-        Plan::Check => check(build),
+        DistPlan::Whole => whole(),
+        DistPlan::Check => check(build),
     }
 }
 
-fn whole() -> Outcome {
+fn whole() -> JobResult {
     let target = build::target()?;
     // Quick, and the likeliest to fail: it comes first.
     let licences = licences::gather(&target)?;
@@ -101,7 +101,7 @@ fn name(target: &str) -> String {
 }
 
 /// What stands in the archive.
-fn files(program: &Path, licences: &str, page: Option<&Path>) -> Outcome<Files> {
+fn files(program: &Path, licences: &str, page: Option<&Path>) -> JobResult<Files> {
     let mut files = Files::default();
     files.add_program(
         format!("bin/host-sim{}", std::env::consts::EXE_SUFFIX),
@@ -137,7 +137,7 @@ const COMPLETIONS: &[(&str, &str)] = &[
     ("fish", "share/fish/vendor_completions.d/host-sim.fish"),
 ];
 
-fn install(program: &Path) -> Outcome<String> {
+fn install(program: &Path) -> JobResult<String> {
     Ok(format!(
         "bin/host-sim runs from wherever it stands; it {}.\n\n\
          To have it in the path, with its manual and the completions of the shell, for all users of the machine:\n\n    \
@@ -149,7 +149,7 @@ fn install(program: &Path) -> Outcome<String> {
     ))
 }
 
-fn needs(program: &Path) -> Outcome<String> {
+fn needs(program: &Path) -> JobResult<String> {
     if !cfg!(target_os = "linux") {
         return Ok("needs nothing but the system".into());
     }
@@ -159,12 +159,12 @@ fn needs(program: &Path) -> Outcome<String> {
     })
 }
 
-fn about(program: &Path) -> Outcome<String> {
+fn about(program: &Path) -> JobResult<String> {
     Ok(format!("the program {}", needs(program)?))
 }
 
 /// The wheel in an environment with nothing else in it.
-fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
+fn wheel_tried(files: &[PathBuf]) -> JobResult<String> {
     let wheel = files
         .iter()
         .find(|file| file.extension().is_some_and(|ending| ending == "whl"))
@@ -202,7 +202,7 @@ const EXPECTED: &[&str] = &[
 ];
 
 /// Packs the program of the tests twice, and holds the archive to what it must be.
-fn check(build: &Build) -> Outcome {
+fn check(build: &Build) -> JobResult {
     let target = build::target()?;
     let licences = licences::gather(&target)?;
     let program = desktop::program("host-sim", build)?;
@@ -234,8 +234,8 @@ mod tests {
 
     #[test]
     fn options_are_read() {
-        assert_eq!(Plan::parse(&[]), Ok(Plan::Whole));
-        assert_eq!(Plan::parse(&["--check"]), Ok(Plan::Check));
-        assert!(Plan::parse(&["--chek"]).unwrap_err().contains("--chek"));
+        assert_eq!(DistPlan::parse(&[]), Ok(DistPlan::Whole));
+        assert_eq!(DistPlan::parse(&["--check"]), Ok(DistPlan::Check));
+        assert!(DistPlan::parse(&["--chek"]).unwrap_err().contains("--chek"));
     }
 }

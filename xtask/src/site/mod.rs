@@ -11,13 +11,13 @@ use std::{
 };
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, cargo, root},
     python, web,
 };
 
 /// Builds it, or for a check the pages alone; where it is.
-pub fn run(check: bool) -> Outcome<PathBuf> {
+pub fn run(check: bool) -> JobResult<PathBuf> {
     let name = if check { "site-check" } else { "site" };
     let place = root().join("target").join(name);
     let part = place.with_extension("part");
@@ -37,7 +37,7 @@ pub fn run(check: bool) -> Outcome<PathBuf> {
 }
 
 /// Has Sphinx write every page into `place`, with links to what is there.
-fn pages(place: &Path) -> Outcome {
+fn pages(place: &Path) -> JobResult {
     let own = root().join("xtask/src/site");
     let packages = own.join("requirements.txt").display().to_string();
     let environment = python::environment("sphinx", &["--requirement", &packages])?;
@@ -49,7 +49,7 @@ fn pages(place: &Path) -> Outcome {
 }
 
 /// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
-fn made_elsewhere(place: &Path) -> Outcome {
+fn made_elsewhere(place: &Path) -> JobResult {
     if let Some(page) = web::build_if_possible()? {
         fs::copy(page, place.join("explore.html"))?;
     }
@@ -68,7 +68,7 @@ fn made_elsewhere(place: &Path) -> Outcome {
 }
 
 /// Written by pdoc from the installed package.
-fn python_docs(place: &Path) -> Outcome {
+fn python_docs(place: &Path) -> JobResult {
     let environment = python::own_environment()?;
     command::run(python::pip(&environment).arg("pdoc>=15,<17"))?;
     python::install(&environment)?;

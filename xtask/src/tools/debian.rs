@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf, process::Command};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, find, root},
 };
 
@@ -72,7 +72,7 @@ impl Bundle {
     }
 
     /// Unpacks it where that has not been done; `Err` says in one line why not.
-    pub fn provide(&self) -> Outcome {
+    pub fn provide(&self) -> JobResult {
         let folder = tools().join(self.name);
         let packages = fs::read_to_string(folder.join("packages")).unwrap_or_default();
         if packages.lines().next() == Some(&format!("wanted: {}", self.packages)) {

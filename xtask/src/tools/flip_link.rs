@@ -10,7 +10,7 @@ use std::{
 use object::{Object, ObjectSegment, read::elf::ElfFile32};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, find},
     size::{RAM_START, symbol},
     tools::debian::tools,
@@ -20,7 +20,7 @@ use crate::{
 const VERSION: &str = "0.1.12";
 
 /// Finds flip-link, or installs it into the target folder; returns the program.
-pub fn provide() -> Outcome<PathBuf> {
+pub fn provide() -> JobResult<PathBuf> {
     if let Some(program) = find(&file("flip-link")) {
         return Ok(program);
     }
@@ -50,7 +50,7 @@ const ADVICE: &str = "cargo install flip-link --locked";
 
 /// The path for a build that links with flip-link. It starts `rust-lld`, and finds it where rustc has its
 /// own; where rustc has none, `linker` is made to go by that name.
-pub fn path(linker: Option<&Path>) -> Outcome<OsString> {
+pub fn path(linker: Option<&Path>) -> JobResult<OsString> {
     let inherited = std::env::var_os("PATH").unwrap_or_default();
     let Some(linker) = linker else {
         return Ok(inherited);
@@ -63,7 +63,7 @@ pub fn path(linker: Option<&Path>) -> Outcome<OsString> {
     Ok(std::env::join_paths(folders)?)
 }
 
-fn name_it_rust_lld(linker: &Path, folder: &Path) -> Outcome {
+fn name_it_rust_lld(linker: &Path, folder: &Path) -> JobResult {
     let link = folder.join(file("rust-lld"));
     if fs::canonicalize(&link).ok() != Some(fs::canonicalize(linker)?) {
         fs::create_dir_all(folder)?;
@@ -76,7 +76,7 @@ fn name_it_rust_lld(linker: &Path, folder: &Path) -> Outcome {
 }
 
 /// An error if the image's stack does not begin where RAM does, with the variables above it.
-pub fn check(elf: &[u8]) -> Outcome {
+pub fn check(elf: &[u8]) -> JobResult {
     let file: ElfFile32 = ElfFile32::parse(elf)?;
     let bottom = symbol(&file, "_stack_end").ok_or("the image names no end of its stack")?;
     let top = symbol(&file, "_stack_start").ok_or("the image names no start of its stack")?;

@@ -8,7 +8,7 @@ pub mod toolchain;
 use std::{path::PathBuf, process::Command};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, find},
 };
 use debian::Bundle;
@@ -18,7 +18,7 @@ use toolchain::{Missing, TARGET, Toolchain, WASM};
 const QEMU: &str = "qemu-system-arm";
 
 /// The emulator: the one in the path, or Debian's, unpacked.
-pub fn qemu() -> Outcome<PathBuf> {
+pub fn qemu() -> JobResult<PathBuf> {
     match find(QEMU) {
         Some(program) => Ok(program),
         None => provide(&debian::QEMU, qemu_advice).map(|()| debian::QEMU.starters().join(QEMU)),
@@ -26,7 +26,7 @@ pub fn qemu() -> Outcome<PathBuf> {
 }
 
 /// A way to build for the microcontroller: the Rust in use, or Debian's, installed or unpacked.
-pub fn toolchain() -> Outcome<Toolchain> {
+pub fn toolchain() -> JobResult<Toolchain> {
     // Twice something may be missing: the Rust, then its linker.
     for _ in 0..2 {
         match toolchain::choose(&toolchain::look(TARGET)) {
@@ -44,7 +44,7 @@ pub fn toolchain() -> Outcome<Toolchain> {
 }
 
 /// A way to build the page's module: the Rust in use, or Debian's, installed or unpacked.
-pub fn wasm_toolchain() -> Outcome<Toolchain> {
+pub fn wasm_toolchain() -> JobResult<Toolchain> {
     let choose = || toolchain::choose_for_wasm(&toolchain::look(WASM));
     let advice =
         |_: &Missing| format!("no Rust here builds for {WASM}; type: rustup target add {WASM}");
@@ -58,7 +58,7 @@ pub fn wasm_toolchain() -> Outcome<Toolchain> {
 }
 
 /// The browser that the page is tested in: the one in the path, or Debian's, unpacked.
-pub fn chromium() -> Outcome<PathBuf> {
+pub fn chromium() -> JobResult<PathBuf> {
     let names = ["chromium", "chromium-browser", "google-chrome", CHROMIUM];
     if let Some(program) = names.iter().find_map(|name| find(name)) {
         return Ok(program);
@@ -76,7 +76,7 @@ pub fn chromium() -> Outcome<PathBuf> {
 const CHROMIUM: &str = "chromium-headless-shell";
 
 /// Unpacks a bundle on Debian. Where there is no Debian, or it fails, the error says what to type.
-fn provide(bundle: &Bundle, advice: impl Fn() -> String) -> Outcome {
+fn provide(bundle: &Bundle, advice: impl Fn() -> String) -> JobResult {
     if !debian::here() {
         return Err(advice().into());
     }
@@ -114,7 +114,7 @@ fn version(command: &mut Command) -> String {
 }
 
 /// Sees to it that every tool is there, and prints a line for each: what it is for, its version, where it is.
-pub fn list() -> Outcome {
+pub fn list() -> JobResult {
     let line = |purpose: &str, version: &str, place: &str| {
         println!("{purpose:<28} {version}; {place}");
     };

@@ -23,7 +23,7 @@ const DEBIAN_BIN: &str = "/usr/bin";
 
 /// What this machine has.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct ToolsFound {
     /// The Rust in use has `core` for the target.
     pub target_core: bool,
     /// The Rust in use finds its own `rust-lld` when it links.
@@ -60,7 +60,7 @@ pub enum Missing {
 }
 
 /// Chooses the way that needs least: the Rust in use, then Debian's.
-pub fn choose(found: &Found) -> Result<Toolchain, Missing> {
+pub fn choose(found: &ToolsFound) -> Result<Toolchain, Missing> {
     if found.target_core && found.own_linker {
         return Ok(Toolchain::InUse(None));
     }
@@ -76,7 +76,7 @@ pub fn choose(found: &Found) -> Result<Toolchain, Missing> {
 }
 
 /// Chooses for the page's module. Its linker is a `rust-lld`: Debian's `ld.lld` is too old for the objects.
-pub fn choose_for_wasm(found: &Found) -> Result<Toolchain, Missing> {
+pub fn choose_for_wasm(found: &ToolsFound) -> Result<Toolchain, Missing> {
     if found.target_core {
         return Ok(Toolchain::InUse(None));
     }
@@ -86,7 +86,7 @@ pub fn choose_for_wasm(found: &Found) -> Result<Toolchain, Missing> {
 }
 
 /// Looks around on this machine for what builds for `target`.
-pub fn look(target: &str) -> Found {
+pub fn look(target: &str) -> ToolsFound {
     let rustc = || Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     let own_tools = command::ask(rustc().args(["--print", "target-libdir"]))
         .map(|libdir| Path::new(&libdir).with_file_name("bin"));
@@ -95,7 +95,7 @@ pub fn look(target: &str) -> Found {
         .filter(|file| file.is_file());
     let libdir = command::ask(rustc().args(["--print", "target-libdir", "--target", target]));
     let unpacked_lld = Some(debian::LLD.starters().join("ld.lld")).filter(|file| file.is_file());
-    Found {
+    ToolsFound {
         target_core: libdir.is_some_and(|libdir| holds_core(Path::new(&libdir))),
         own_linker: own_lld.is_some() || command::find("rust-lld").is_some(),
         debian_rust: [PathBuf::from(DEBIAN_BIN), debian::RUST.starters()]
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn a_rust_with_the_target_is_used_as_it_is() {
-        let found = Found {
+        let found = ToolsFound {
             target_core: true,
             own_linker: true,
             debian_rust: Some(DEBIAN_BIN.into()),
@@ -286,35 +286,35 @@ mod tests {
 
     #[test]
     fn a_rust_without_linker_is_given_one() {
-        let found = Found {
+        let found = ToolsFound {
             target_core: true,
             lld: lld(),
-            ..Found::default()
+            ..ToolsFound::default()
         };
         assert_eq!(choose(&found), Ok(Toolchain::InUse(lld())));
     }
 
     #[test]
     fn debian_steps_in_where_the_target_is_missing() {
-        let found = Found {
+        let found = ToolsFound {
             own_linker: true,
             debian_rust: Some(DEBIAN_BIN.into()),
             lld: lld(),
-            ..Found::default()
+            ..ToolsFound::default()
         };
         assert_eq!(choose(&found), Ok(debian()));
     }
 
     #[test]
     fn a_browser_s_module_is_linked_by_the_rust_lld_of_the_rust_in_use() {
-        let found = Found {
+        let found = ToolsFound {
             debian_rust: Some(DEBIAN_BIN.into()),
             lld: lld(),
-            ..Found::default()
+            ..ToolsFound::default()
         };
         assert_eq!(choose_for_wasm(&found), Err(Missing::Linker));
         let own_lld: PathBuf = "/rust/bin/rust-lld".into();
-        let found = Found {
+        let found = ToolsFound {
             own_lld: Some(own_lld.clone()),
             ..found
         };
@@ -329,7 +329,7 @@ mod tests {
             words.contains(&"-Zbuild-std=std,panic_abort".into()),
             "{words:?}"
         );
-        let found = Found {
+        let found = ToolsFound {
             target_core: true,
             ..found
         };
@@ -339,23 +339,23 @@ mod tests {
     #[test]
     fn what_is_missing_is_named() {
         assert_eq!(
-            choose(&Found {
+            choose(&ToolsFound {
                 lld: lld(),
-                ..Found::default()
+                ..ToolsFound::default()
             }),
             Err(Missing::Rust)
         );
         assert_eq!(
-            choose(&Found {
+            choose(&ToolsFound {
                 debian_rust: Some(DEBIAN_BIN.into()),
-                ..Found::default()
+                ..ToolsFound::default()
             }),
             Err(Missing::Linker)
         );
         assert_eq!(
-            choose(&Found {
+            choose(&ToolsFound {
                 target_core: true,
-                ..Found::default()
+                ..ToolsFound::default()
             }),
             Err(Missing::Linker)
         );

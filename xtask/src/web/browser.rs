@@ -3,7 +3,7 @@
 use std::{path::PathBuf, process::Command};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, root},
     desktop::{self, Build},
     python, site, tools,
@@ -13,12 +13,12 @@ use crate::{
 const PACKAGES: &[&str] = &["playwright", "pytest"];
 
 /// The environment in `target/page`.
-pub fn environment() -> Outcome<PathBuf> {
+pub fn environment() -> JobResult<PathBuf> {
     python::environment("page", PACKAGES)
 }
 
 /// Builds the page and tests it, with the words given to pytest.
-pub fn test(words: &[&str], build: &Build) -> Outcome {
+pub fn test(words: &[&str], build: &Build) -> JobResult {
     let browser = tools::chromium()?;
     let environment = environment()?;
     let page = super::build()?;

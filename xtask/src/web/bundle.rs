@@ -10,10 +10,10 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use crate::Outcome;
+use crate::JobResult;
 
 /// The page in `folder` with the module's letters in it.
-pub fn page(folder: &Path, module: &str) -> Outcome<String> {
+pub fn page(folder: &Path, module: &str) -> JobResult<String> {
     let template = fs::read_to_string(folder.join("index.html"))?;
     let mut page = String::new();
     for line in template.lines() {
@@ -34,7 +34,7 @@ pub fn page(folder: &Path, module: &str) -> Outcome<String> {
 }
 
 /// The script element with these attributes: ` src="main.js" …` has its code, ` … id="module"` the module's letters.
-fn script(folder: &Path, attributes: &str, module: &str) -> Outcome<String> {
+fn script(folder: &Path, attributes: &str, module: &str) -> JobResult<String> {
     if attributes.contains(r#"id="module""#) {
         return Ok(format!("<script{attributes}>{module}</script>"));
     }
@@ -64,7 +64,7 @@ struct Joined {
 }
 
 impl Joined {
-    fn from(folder: &Path, name: &str) -> Outcome<String> {
+    fn from(folder: &Path, name: &str) -> JobResult<String> {
         let mut joined = Self::default();
         joined.add(folder, Path::new(name))?;
         Ok(format!(
@@ -74,7 +74,7 @@ impl Joined {
     }
 
     /// Adds a script; its number.
-    fn add(&mut self, folder: &Path, path: &Path) -> Outcome<usize> {
+    fn add(&mut self, folder: &Path, path: &Path) -> JobResult<usize> {
         if let Some(number) = self.names.iter().position(|known| known == path) {
             return Ok(number);
         }

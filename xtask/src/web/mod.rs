@@ -11,7 +11,7 @@ use base64::{Engine, prelude::BASE64_STANDARD};
 use flate2::{Compression, write::GzEncoder};
 
 use crate::{
-    Outcome,
+    JobResult,
     command::{self, root},
     tools,
 };
@@ -20,7 +20,7 @@ use crate::{
 const MOST_BYTES: usize = 3_000_000;
 
 /// Builds the page; where it is.
-pub fn build() -> Outcome<PathBuf> {
+pub fn build() -> JobResult<PathBuf> {
     let module = module()?;
     let packed = packed(&module)?;
     let page = bundle::page(&root().join("web/page"), &BASE64_STANDARD.encode(&packed))?;
@@ -43,7 +43,7 @@ pub fn build() -> Outcome<PathBuf> {
 }
 
 /// Builds the page where there is a Rust for it; else a line says that it is left out.
-pub fn build_if_possible() -> Outcome<Option<PathBuf>> {
+pub fn build_if_possible() -> JobResult<Option<PathBuf>> {
     match tools::wasm_toolchain() {
         Ok(_) => build().map(Some),
         Err(error) => {
@@ -54,14 +54,14 @@ pub fn build_if_possible() -> Outcome<Option<PathBuf>> {
 }
 
 /// The module as gzip, which every browser unpacks.
-fn packed(module: &[u8]) -> Outcome<Vec<u8>> {
+fn packed(module: &[u8]) -> JobResult<Vec<u8>> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     packer.write_all(module)?;
     Ok(packer.finish()?)
 }
 
 /// Compiles the module; its bytes.
-fn module() -> Outcome<Vec<u8>> {
+fn module() -> JobResult<Vec<u8>> {
     let toolchain = tools::wasm_toolchain()?;
     let mut cargo = toolchain.wasm_cargo("build");
     cargo.args(["--locked", "--package", "web", "--lib", "--profile", "web"]);
@@ -71,7 +71,7 @@ fn module() -> Outcome<Vec<u8>> {
 }
 
 /// Builds the page and the program with it, and runs that: the page alone, or with a board (`--board PORT`).
-pub fn lab(words: &[&str]) -> Outcome {
+pub fn lab(words: &[&str]) -> JobResult {
     build()?;
     let mut cargo = command::cargo();
     cargo.args(["run", "--release", "--package", "host-sim"]);

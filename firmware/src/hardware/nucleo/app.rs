@@ -23,12 +23,12 @@ mod app {
         board,
         tasks::{self, Control, Forecasts, Link, Supervisor, drive},
     };
-    use firmware::recorder::Recorder;
+    use firmware::recorder::ControlRecorder;
     use shared::forecast::Forecast;
 
     #[shared]
     struct Shared {
-        recorder: Recorder,
+        recorder: ControlRecorder,
         forecast: Forecast,
     }
 

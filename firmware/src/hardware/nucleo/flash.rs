@@ -136,9 +136,9 @@ impl NorFlash for SettingsFlash {
 }
 
 /// The settings in their two sectors.
-pub struct Store(store::Store<SettingsFlash>);
+pub struct FlashStore(store::SlotStore<SettingsFlash>);
 
-impl Store {
+impl FlashStore {
     /// Takes the flash's registers.
     pub fn new(flash: pac::FLASH) -> Self {
         let flash = SettingsFlash::new(flash);
@@ -146,7 +146,10 @@ impl Store {
             flash.agrees_with_linker(),
             "memory.x leaves other sectors free than are written to"
         );
-        Self(store::Store::new(flash, [0..SECTOR, SECTOR..2 * SECTOR]))
+        Self(store::SlotStore::new(
+            flash,
+            [0..SECTOR, SECTOR..2 * SECTOR],
+        ))
     }
 
     /// What is stored; `None` if the flash cannot be read.
@@ -155,7 +158,7 @@ impl Store {
     }
 }
 
-impl SettingsStore for Store {
+impl SettingsStore for FlashStore {
     fn store(&mut self, settings: &Settings) -> bool {
         // Whatever is left of its period is shorter than the save may take.
         watchdog::feed();

@@ -52,11 +52,11 @@ use stm32f4xx_hal::{
 use crate::hardware::tasks::Board;
 pub use crate::hardware::tasks::report::{report_fault, report_panic};
 pub use block_monitor::BlockMonitor;
-pub use flash::Store;
-pub use pins::{ButtonPin, Chain, EnablePin, LedPin, Reports, acknowledge_chain, disable};
+pub use flash::FlashStore;
+pub use pins::{ButtonPin, ChainPin, EnablePin, LedPin, Reports, acknowledge_chain, disable};
 pub use registers::{Registers, read as registers};
 pub use reset::flags as reset_flags;
-pub use sampling::Sampler;
+pub use sampling::AdcSampler;
 pub use serial::Serial;
 pub use set_points::SetPoints;
 pub use stm32f4xx_hal::pac::{self, Peripherals};
@@ -108,7 +108,7 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
         (gpioa.pa4.into_analog(), gpioc.pc7),
         &mut rcc,
     );
-    let mut sampler = Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc);
+    let mut sampler = AdcSampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc);
     let unfit = supply::watch(&device.PWR, &device.FLASH, &exti)
         .and(Unfit::CLOCK.when(!crystal))
         .and(Unfit::REFERENCE.when(!sampler.reference_is_good()));
@@ -121,11 +121,11 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
         sampler,
         set_points,
         enable: Some(EnablePin(enable)),
-        chain: Chain::new(chain, &mut syscfg, &mut exti),
+        chain: ChainPin::new(chain, &mut syscfg, &mut exti),
         block_monitor: BlockMonitor::new(device.TIM7, &mut rcc),
         serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
         link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
-        store: Store::new(device.FLASH),
+        store: FlashStore::new(device.FLASH),
         led: LedPin(gpioa.pa5.into_push_pull_output()),
         button: ButtonPin(button),
         bench_asked,

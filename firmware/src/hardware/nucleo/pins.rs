@@ -39,9 +39,9 @@ impl EnablePin {
 }
 
 /// The emergency-stop chain on PB5: closed to ground, pulled up when it opens.
-pub struct Chain(NormallyClosed<PB5<Input>>);
+pub struct ChainPin(NormallyClosed<PB5<Input>>);
 
-impl Chain {
+impl ChainPin {
     /// Interrupts when the chain opens.
     pub fn new(mut pin: PB5<Input>, syscfg: &mut SysCfg, exti: &mut pac::EXTI) -> Self {
         pin.make_interrupt_source(syscfg);

@@ -67,7 +67,7 @@ static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]))
 pub type SensorPins = (PA0<Analog>, PA1<Analog>, PB0<Analog>);
 
 /// The sampling chain.
-pub struct Sampler {
+pub struct AdcSampler {
     timer: pac::TIM2,
     dma: pac::DMA2,
     _adc: Adc<pac::ADC1>,
@@ -76,7 +76,7 @@ pub struct Sampler {
     since: u16,
 }
 
-impl Sampler {
+impl AdcSampler {
     /// Sets the chain up; nothing runs until [`Self::start`].
     pub fn new(
         timer: pac::TIM2,

@@ -39,9 +39,9 @@ const SYSTICK_MASK: u32 = 0x00ff_ffff;
 
 /// SysTick as a stopwatch. Under `-icount shift=0` QEMU lets a nanosecond go by per instruction, so what it
 /// reads are instructions, in steps of 40; never cycles.
-pub struct Stopwatch(());
+pub struct SysTickStopwatch(());
 
-impl Stopwatch {
+impl SysTickStopwatch {
     /// Starts counting.
     pub fn start(mut systick: SYST) -> Self {
         systick.set_clock_source(SystClkSource::Core);

@@ -103,7 +103,7 @@ pub fn is_paused() -> bool {
 
 /// Looks once per millisecond whether blocks are served, and whether link and supervisor have run.
 #[derive(Debug, Default)]
-pub struct Guard {
+pub struct BlockGuard {
     seen: u32,
     missed: u8,
     turns: [u32; 2],
@@ -111,7 +111,7 @@ pub struct Guard {
     silent: [u8; 2],
 }
 
-impl Guard {
+impl BlockGuard {
     /// A look. Two blocks are due between two of them; none, twice in a row, is a stall: then the enable is taken away, and
     /// the answer is true. The board asks for the control task then: if it was the samples that stopped, the controller
     /// learns it by a block without samples, which does not count as served. The watchdog resets a board that stays so.

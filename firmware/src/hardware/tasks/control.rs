@@ -6,15 +6,15 @@ use cortex_m::peripheral::DWT;
 use rtic::Mutex;
 use shared::{
     control::Unfit,
-    fault::Record,
+    fault::FaultRecord,
     io::{Frame, Output},
     settings::Interlock as Wired,
 };
 
 use super::{blocks, drive, report, retained};
 use crate::{
-    BLOCK_TICKS, bench::Bench, hardware::board, interlock::Interlock, record_keeper::RecordKeeper,
-    recorder::Recorder,
+    BLOCK_TICKS, bench::Bench, hardware::board, interlock::InterlockInputs,
+    record_keeper::RecordKeeper, recorder::ControlRecorder,
 };
 
 /// Processor cycles of the last block and of the longest since they were last taken.
@@ -39,7 +39,7 @@ pub struct Control {
     outputs: [Output; BLOCK_TICKS],
     keeper: RecordKeeper,
     reports: board::Reports,
-    interlock: Interlock,
+    interlock: InterlockInputs,
     /// Which of the reports the rig has.
     wired: Wired,
 }
@@ -51,7 +51,7 @@ impl Control {
         (chain, reports): (board::Chain, board::Reports),
         enable: Option<board::EnablePin>,
         bench: Option<Bench>,
-        kept: Option<Record>,
+        kept: Option<FaultRecord>,
     ) -> Self {
         Self {
             sampler,
@@ -62,7 +62,7 @@ impl Control {
             outputs: [Output::SAFE; BLOCK_TICKS],
             keeper: RecordKeeper::new(kept),
             reports,
-            interlock: Interlock::default(),
+            interlock: InterlockInputs::default(),
             wired: Wired {
                 relay: false,
                 ready: false,
@@ -82,7 +82,7 @@ impl Control {
     /// the next block starts at once, and the overrun is reported to the controller; more than one in five and it trips. If
     /// two blocks were due, the older is lost. If none is served for 2 to 3 ms, the guard takes the enable away.
     #[inline]
-    pub fn block(&mut self, shared: &mut impl Mutex<T = Recorder>) {
+    pub fn block(&mut self, shared: &mut impl Mutex<T = ControlRecorder>) {
         let began = DWT::cycle_count();
         let outputs: &mut [Output; BLOCK_TICKS] = &mut self.outputs;
         let arrived = self.sampler.arrived();
@@ -139,7 +139,7 @@ impl Control {
         last.store(cycles, Ordering::Relaxed);
         longest.fetch_max(cycles, Ordering::Relaxed);
         if self.sampler.overrun() || !in_time {
-            shared.lock(Recorder::note_overrun);
+            shared.lock(ControlRecorder::note_overrun);
         }
     }
 }

@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use rtic::Mutex;
 use shared::forecast::{Forecast, Forecaster};
 
-use crate::recorder::Recorder;
+use crate::recorder::ControlRecorder;
 
 /// Turns of the idle loop (wraps).
 static TURNS: AtomicU32 = AtomicU32::new(0);
@@ -35,7 +35,7 @@ impl Forecasts {
     #[inline]
     pub fn turn(
         &mut self,
-        recorder: &mut impl Mutex<T = Recorder>,
+        recorder: &mut impl Mutex<T = ControlRecorder>,
         forecast: &mut impl Mutex<T = Forecast>,
     ) {
         if let Some(request) = recorder.lock(|recorder| recorder.taking().forecast_request()) {

@@ -6,7 +6,7 @@ use cortex_m::peripheral::DWT;
 use rtic::Mutex;
 use shared::{forecast::Forecast, link::Session};
 
-use crate::{hardware::board, link_device::BoardLink, recorder::Recorder, wire::RateFinder};
+use crate::{hardware::board, link_device::BoardLink, recorder::ControlRecorder, wire::RateFinder};
 
 /// Bytes waiting for the wire at most.
 const QUEUE: usize = 4096;
@@ -53,7 +53,7 @@ impl Link {
     #[inline]
     pub fn turn(
         &mut self,
-        recorder: &mut impl Mutex<T = Recorder>,
+        recorder: &mut impl Mutex<T = ControlRecorder>,
         forecast: &mut impl Mutex<T = Forecast>,
     ) -> bool {
         self.timer.acknowledge();

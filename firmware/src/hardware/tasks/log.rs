@@ -6,7 +6,7 @@ use defmt_rtt as _;
 use shared::control::{
     Basin, BootInfo, EventKind, Refused, ResetCause, SettingsState, State, Unfit,
 };
-use shared::fault::Record;
+use shared::fault::FaultRecord;
 
 use super::{blocks, retained::Crash};
 
@@ -111,7 +111,7 @@ pub fn event(kind: &EventKind) {
     }
 }
 
-fn fault(record: &Record) {
+fn fault(record: &FaultRecord) {
     defmt::warn!(
         "fault {=u8} {=str}: value {=f32}, at tick {=u32}, {=f32} Hz; episode {=u32:#x}",
         record.fault.code(),

@@ -12,7 +12,7 @@
 use core::{cell::UnsafeCell, mem::MaybeUninit};
 
 use shared::control::Unfit;
-use shared::fault::{Persisted, Record};
+use shared::fault::{FaultRecord, Persisted};
 
 /// The drive was enabled.
 const DRIVING: u32 = 0x5ad7_1e31;
@@ -50,9 +50,9 @@ fn words() -> *mut Words {
 }
 
 /// What the last run left. To be read once, before anything new is written.
-pub struct Left {
+pub struct LastRun {
     /// Its last fault.
-    pub record: Option<Record>,
+    pub record: Option<FaultRecord>,
     /// Its crash.
     pub crash: Option<Crash>,
     /// Whether the drive was enabled when it ended.
@@ -61,7 +61,7 @@ pub struct Left {
 
 /// Reads what the last run left, and forgets the crash. The drive is forgotten once what it means is recorded
 /// ([`note_drive`]): the next reset may come before that.
-pub fn take() -> Left {
+pub fn take() -> LastRun {
     // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
     let (record, crash, drive) = unsafe {
         (
@@ -72,7 +72,7 @@ pub fn take() -> Left {
     };
     // SAFETY: as above.
     unsafe { (&raw mut (*words()).crash.mark).write_volatile(0) };
-    Left {
+    LastRun {
         record: record.record(),
         crash: (crash.mark == CRASHED).then_some(crash),
         driving: drive == DRIVING,
@@ -80,7 +80,7 @@ pub fn take() -> Left {
 }
 
 /// Retains a record, or that there is none.
-pub fn keep(record: Option<&Record>) {
+pub fn keep(record: Option<&FaultRecord>) {
     let record = record.map_or(Persisted::EMPTY, Persisted::new);
     // SAFETY: the place is valid for writes.
     unsafe { (&raw mut (*words()).record).write_volatile(record) };
@@ -95,7 +95,7 @@ pub fn note_drive(on: bool) {
 
 /// Retains where the program crashed.
 pub fn note_crash(address: Option<u32>, status: u32) {
-    end_with(&Record::CRASH);
+    end_with(&FaultRecord::CRASH);
     let crash = Crash {
         mark: CRASHED,
         address: address.unwrap_or(0),
@@ -107,11 +107,11 @@ pub fn note_crash(address: Option<u32>, status: u32) {
 
 /// Retains why the board is not fit to drive.
 pub fn note_unfit(why: Unfit) {
-    end_with(&Record::unfit(why));
+    end_with(&FaultRecord::unfit(why));
 }
 
 /// The run ends with this fault, its drive off; the faults before it stay in the episode.
-fn end_with(record: &Record) {
+fn end_with(record: &FaultRecord) {
     // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
     let before = unsafe { (&raw const (*words()).record).read_volatile() };
     keep(Some(&record.after(before.record())));

@@ -8,12 +8,12 @@ use shared::{
 };
 
 use super::{Control, Link, Supervisor, log, retained, traps};
-use crate::{bench::Bench, hardware::board, recorder::Recorder};
+use crate::{bench::Bench, hardware::board, recorder::ControlRecorder};
 
 /// What the tasks own.
 pub struct Tasks {
     /// The controller, shared by all of them.
-    pub recorder: Recorder,
+    pub recorder: ControlRecorder,
     /// Of the control task.
     pub control: Control,
     /// Of the guard above it.
@@ -79,7 +79,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: board::Peripherals) -> Tas
     }
     let registers = board::registers();
     Tasks {
-        recorder: Recorder::new(controller),
+        recorder: ControlRecorder::new(controller),
         control,
         block_monitor,
         link,

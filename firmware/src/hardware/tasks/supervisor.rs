@@ -9,9 +9,9 @@ use super::{blocks, control, forecasts, link, log, report};
 use crate::{
     button::Button,
     hardware::{board, stack},
-    led::{LedPattern, Shown},
-    liveness::{Liveness, Progress},
-    recorder::Recorder,
+    led::{LedPattern, LedShown},
+    liveness::{Liveness, TurnCounts},
+    recorder::ControlRecorder,
 };
 
 /// Turns of the task (wraps).
@@ -57,7 +57,7 @@ impl Supervisor {
 
     /// To be called every 10 ms.
     #[inline]
-    pub fn step(&mut self, shared: &mut impl Mutex<T = Recorder>) {
+    pub fn step(&mut self, shared: &mut impl Mutex<T = ControlRecorder>) {
         let (status, awaited) = shared.lock(|recorder| {
             let controller = recorder.controller();
             (controller.status(), controller.awaits_acknowledgement())
@@ -68,13 +68,13 @@ impl Supervisor {
         {
             log::refused(why);
         }
-        let shown = Shown {
+        let shown = LedShown {
             state: status.state,
             fault: status.fault.map_or(0, |record| record.fault.code()),
             bench: self.bench,
         };
         self.led.set(self.pattern.step(shown));
-        let progress = Progress {
+        let progress = TurnCounts {
             blocks: blocks::served(),
             links: link::turns(),
             looks: blocks::looks(),
@@ -108,7 +108,7 @@ impl Supervisor {
 
     /// Once a second: whether registers and settings are still what they were set to. If not, nothing that the program
     /// decides can be relied on: the outputs are made safe, and the board starts anew.
-    fn look_for_changes(&mut self, shared: &mut impl Mutex<T = Recorder>) {
+    fn look_for_changes(&mut self, shared: &mut impl Mutex<T = ControlRecorder>) {
         let (settings, sum) = shared.lock(|recorder| {
             let settings = *recorder.controller().settings();
             (settings, recorder.settings_sum())

@@ -8,7 +8,7 @@ use differential_equations::interpolate::Interpolation;
 use differential_equations::methods::ExplicitRungeKutta;
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
-use numerics::lanes::{Cell, Strobe};
+use numerics::lanes::{Cell, LaneStrobe};
 use shared::model::rig::{Kinematics, Rig};
 
 use crate::{CYCLES, RECORDED, Timing, timed, write};
@@ -85,7 +85,7 @@ fn root(mut f: impl FnMut(f64) -> f64, (mut a, mut fa): (f64, f64), (mut b, mut 
     b
 }
 
-fn simulate(cell: &Cell) -> Result<Vec<Strobe>, Box<dyn Error>> {
+fn simulate(cell: &Cell) -> Result<Vec<LaneStrobe>, Box<dyn Error>> {
     let rig = Rig::<f64>::new(&cell.params)?;
     let period = 1.0 / cell.frequency_hz;
     let last = f64::from(CYCLES) * period;
@@ -96,7 +96,7 @@ fn simulate(cell: &Cell) -> Result<Vec<Strobe>, Box<dyn Error>> {
     };
     let (mut t, mut y) = (0.0, cell.start);
     side.contact = side.leaving(&y) > 0.0;
-    let (mut strobes, mut now, mut cycle) = (Vec::new(), Strobe::default(), 1);
+    let (mut strobes, mut now, mut cycle) = (Vec::new(), LaneStrobe::default(), 1);
     while cycle <= CYCLES {
         let mut method = ExplicitRungeKutta::dopri5()
             .rtol(RTOL)
@@ -143,7 +143,7 @@ fn simulate(cell: &Cell) -> Result<Vec<Strobe>, Box<dyn Error>> {
                 if cycle >= CYCLES - RECORDED {
                     strobes.push(now);
                 }
-                now = Strobe::default();
+                now = LaneStrobe::default();
                 cycle += 1;
             }
             if leaves {

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use numerics::lanes::{Cell, Strobe};
+use numerics::lanes::{Cell, LaneStrobe};
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, Regime};
 
@@ -22,13 +22,13 @@ struct Found {
 
 fn read(out: &Path, name: &str, cells: &[Cell]) -> Result<BTreeMap<usize, Found>, Box<dyn Error>> {
     let text = fs::read_to_string(out.join(format!("{name}.csv")))?;
-    let mut strobes = BTreeMap::<usize, Vec<Strobe>>::new();
+    let mut strobes = BTreeMap::<usize, Vec<LaneStrobe>>::new();
     for line in text.lines().skip(1) {
         let words: Vec<_> = line.split(',').collect();
         let [cell, q, v, onsets, force] = words[..] else {
             return Err(format!("{name}.csv: {line}").into());
         };
-        strobes.entry(cell.parse()?).or_default().push(Strobe {
+        strobes.entry(cell.parse()?).or_default().push(LaneStrobe {
             q: q.parse()?,
             v: v.parse()?,
             onsets: onsets.parse()?,

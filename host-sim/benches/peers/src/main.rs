@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 use numerics::engine::Engine;
-use numerics::lanes::{self, Cell, Outcome, CellPlan, Strobe};
+use numerics::lanes::{self, Cell, CellOutcome, CellPlan, LaneStrobe};
 use serde::{Deserialize, Serialize};
 use shared::model::params::{RigParams, WIRES};
 
@@ -52,7 +52,7 @@ pub struct Timing {
 }
 
 /// The strobes of each cell, one more than recorded: the first opens the record.
-pub type Strobes = Vec<(usize, Vec<Strobe>)>;
+pub type Strobes = Vec<(usize, Vec<LaneStrobe>)>;
 
 /// Writes OUT/NAME.csv and OUT/NAME.json.
 fn write(out: &Path, name: &str, strobes: &Strobes, timing: &Timing) -> Result<(), Box<dyn Error>> {
@@ -91,7 +91,7 @@ fn ours(out: &Path) -> Result<(), Box<dyn Error>> {
     };
     let cells = cells();
     let one_core = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    type Run<'a> = &'a (dyn Fn() -> Vec<Outcome> + Sync);
+    type Run<'a> = &'a (dyn Fn() -> Vec<CellOutcome> + Sync);
     let fast = || lanes::run(&cells, &plan).expect("the map's cells run");
     let reference = || lanes::by_engine(Engine::Event, &cells, &plan).expect("the map's cells run");
     let engines: [(&str, &str, Run); 2] = [

@@ -4,16 +4,16 @@ mod served;
 mod server;
 
 pub use served::Served;
-pub use server::Server;
+pub use server::BoardSession;
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, RandomState};
 
 use shared::control::{BootInfo, Command, Lockstep, Refused, Status};
-use shared::fault::Record;
+use shared::fault::FaultRecord;
 use shared::io::{Frame, Output};
 use shared::link::{
-    BlockNotes, Boot, Device, ForecastPage, GivenCommand, Hello, Identified, Name,
+    BlockNotes, Boot, Device, ForecastPage, GivenCommand, Hello, Identified, LinkName,
     PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::model::params::ParamError;
@@ -24,7 +24,7 @@ const KEPT: usize = 4000;
 
 /// An emulated board.
 #[derive(Clone, Debug)]
-pub struct Board {
+pub struct EmulatedBoard {
     lockstep: Lockstep,
     block_ticks: u8,
     /// What came before the next block.
@@ -36,7 +36,7 @@ pub struct Board {
     boot: u32,
 }
 
-impl Board {
+impl EmulatedBoard {
     /// After power-on, with blocks of `block_ticks` ticks.
     ///
     /// # Errors
@@ -115,12 +115,12 @@ fn boot_number() -> u32 {
     RandomState::new().hash_one(()) as u32
 }
 
-impl Device for Board {
+impl Device for EmulatedBoard {
     fn hello(&mut self) -> Hello {
         Hello {
             protocol: PROTOCOL_VERSION,
-            firmware: Name::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
-            board: Name::try_from("emulator").unwrap_or_default(),
+            firmware: LinkName::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
+            board: LinkName::try_from("emulator").unwrap_or_default(),
             tick_rate_hz: TICK_RATE_HZ,
             block_ticks: self.block_ticks,
         }
@@ -167,7 +167,7 @@ impl Device for Board {
         ForecastPage::of(self.lockstep.forecast(), page)
     }
 
-    fn fault_record(&mut self) -> Option<Record> {
+    fn fault_record(&mut self) -> Option<FaultRecord> {
         self.status().fault
     }
 

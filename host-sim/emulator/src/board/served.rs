@@ -8,16 +8,16 @@ use shared::link::Device;
 use shared::model::params::ParamError;
 use shared::settings::Settings;
 
-use super::{Board, Server};
+use super::{BoardSession, EmulatedBoard};
 use crate::local::birth;
 use crate::under_test::{ControlUnderTest, Reset};
 
 /// A board that listens on `W`, whose reads and writes return soon. It looks there once before each block.
 #[derive(Debug)]
 pub struct Served<W> {
-    board: Board,
+    board: EmulatedBoard,
     settings: Settings,
-    server: Server,
+    server: BoardSession,
     wire: W,
 }
 
@@ -28,9 +28,9 @@ impl<W: Read + Write> Served<W> {
     /// If a setting is out of range.
     pub fn new(settings: &Settings, block_ticks: u8, wire: W) -> Result<Self, ParamError> {
         Ok(Self {
-            board: Board::new(settings, block_ticks)?,
+            board: EmulatedBoard::new(settings, block_ticks)?,
             settings: *settings,
-            server: Server::new(),
+            server: BoardSession::new(),
             wire,
         })
     }

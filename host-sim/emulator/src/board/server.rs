@@ -9,13 +9,13 @@ const QUEUE: usize = 1 << 18;
 
 /// A session over a stream whose reads and writes return soon.
 #[derive(Debug, Default)]
-pub struct Server {
+pub struct BoardSession {
     session: Box<Session<QUEUE>>,
     /// Taken from the queue, not yet taken by the stream.
     unsent: Vec<u8>,
 }
 
-impl Server {
+impl BoardSession {
     /// Nothing heard yet.
     pub fn new() -> Self {
         Self::default()

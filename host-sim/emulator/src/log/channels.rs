@@ -6,13 +6,13 @@ use serde_json::{Map, Value, json};
 type Field = (&'static str, &'static str, &'static str);
 
 /// A channel: topic, the name of its schema, its fields.
-pub(super) struct Channel {
+pub(super) struct LogChannel {
     pub topic: &'static str,
     pub schema: &'static str,
     pub fields: &'static [Field],
 }
 
-pub(super) const STATUS: Channel = Channel {
+pub(super) const STATUS: LogChannel = LogChannel {
     topic: "/status",
     schema: "status",
     fields: &[
@@ -56,7 +56,7 @@ pub(super) const STATUS: Channel = Channel {
     ],
 };
 
-pub(super) const FORCE: Channel = Channel {
+pub(super) const FORCE: LogChannel = LogChannel {
     topic: "/force",
     schema: "force",
     fields: &[
@@ -69,7 +69,7 @@ pub(super) const FORCE: Channel = Channel {
     ],
 };
 
-pub(super) const DISPLACEMENT: Channel = Channel {
+pub(super) const DISPLACEMENT: LogChannel = LogChannel {
     topic: "/displacement",
     schema: "displacement",
     fields: &[
@@ -90,7 +90,7 @@ pub(super) const DISPLACEMENT: Channel = Channel {
     ],
 };
 
-pub(super) const CONTACTS: Channel = Channel {
+pub(super) const CONTACTS: LogChannel = LogChannel {
     topic: "/contacts",
     schema: "contact",
     fields: &[
@@ -114,7 +114,7 @@ pub(super) const CONTACTS: Channel = Channel {
 };
 
 /// Foxglove's log panel knows a message by the name of this schema, and by the fields from `timestamp` on.
-pub(super) const EVENTS: Channel = Channel {
+pub(super) const EVENTS: LogChannel = LogChannel {
     topic: "/events",
     schema: "foxglove.Log",
     fields: &[
@@ -132,7 +132,7 @@ pub(super) const EVENTS: Channel = Channel {
     ],
 };
 
-pub(super) const FAULTS: Channel = Channel {
+pub(super) const FAULTS: LogChannel = LogChannel {
     topic: "/faults",
     schema: "fault",
     fields: &[
@@ -144,10 +144,10 @@ pub(super) const FAULTS: Channel = Channel {
 };
 
 /// Every channel, in the order of its number.
-pub(super) const CHANNELS: [&Channel; 6] =
+pub(super) const CHANNELS: [&LogChannel; 6] =
     [&STATUS, &FORCE, &DISPLACEMENT, &CONTACTS, &EVENTS, &FAULTS];
 
-impl Channel {
+impl LogChannel {
     /// The schema of its messages, as JSON Schema.
     pub fn json_schema(&self) -> Value {
         let properties: Map<String, Value> = self

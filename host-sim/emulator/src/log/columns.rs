@@ -1,7 +1,7 @@
 //! The columns of the Parquet file: their names, kinds and packing, where each has values, and what changed from
 //! version to version.
 
-use files::columns::{Field, Kind, Packing};
+use files::columns::{ColumnField, ColumnKind, Packing};
 
 /// The version of the columns. 1 called the impulse `impulse_ns`; from 3 on every byte is under a check sum; from 4 on
 /// there is the episode, from 5 on the events that were dropped, and settings with the shaker's loop.
@@ -36,7 +36,7 @@ pub(super) enum Fill {
 /// A column: name with unit, kind, where it has values.
 pub(super) struct Spec {
     pub name: &'static str,
-    pub kind: Kind,
+    pub kind: ColumnKind,
     pub fill: Fill,
 }
 
@@ -47,7 +47,7 @@ macro_rules! columns {
         pub(super) enum Col { $($id),* }
 
         pub(super) const COLUMNS: &[Spec] = &[
-            $(Spec { name: $name, kind: Kind::$kind, fill: Fill::$fill }),*
+            $(Spec { name: $name, kind: ColumnKind::$kind, fill: Fill::$fill }),*
         ];
     };
 }
@@ -103,8 +103,8 @@ impl Col {
 }
 
 /// The columns as `version` has them.
-pub(super) fn fields(version: u32) -> Vec<Field> {
-    let mut fields: Vec<Field> = COLUMNS.iter().map(Spec::field).collect();
+pub(super) fn fields(version: u32) -> Vec<ColumnField> {
+    let mut fields: Vec<ColumnField> = COLUMNS.iter().map(Spec::field).collect();
     if version == 1 {
         fields[Col::Impulse as usize].name = "impulse_ns".into();
     }
@@ -119,14 +119,16 @@ pub(super) fn fields(version: u32) -> Vec<Field> {
 impl Spec {
     /// Counters and codes are packed as differences, true values as split floats, all others, which repeat, by
     /// dictionary.
-    fn field(&self) -> Field {
-        Field {
+    fn field(&self) -> ColumnField {
+        ColumnField {
             name: self.name.into(),
             kind: self.kind,
             optional: self.fill != Fill::Tick,
             packing: match (self.kind, self.fill) {
-                (Kind::Int | Kind::Long, Fill::Tick) | (Kind::Long, _) => Packing::Differences,
-                (Kind::Float, Fill::Truth) => Packing::Split,
+                (ColumnKind::Int | ColumnKind::Long, Fill::Tick) | (ColumnKind::Long, _) => {
+                    Packing::Differences
+                }
+                (ColumnKind::Float, Fill::Truth) => Packing::Split,
                 _ => Packing::Dictionary,
             },
         }

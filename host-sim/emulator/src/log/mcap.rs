@@ -24,11 +24,13 @@ use shared::control::Status;
 use shared::fault::{Fault, Origin};
 use shared::settings::Settings;
 
-use super::channels::{CHANNELS, CONTACTS, Channel, DISPLACEMENT, EVENTS, FAULTS, FORCE, STATUS};
+use super::channels::{
+    CHANNELS, CONTACTS, DISPLACEMENT, EVENTS, FAULTS, FORCE, LogChannel, STATUS,
+};
 use super::columns::{FORMAT, VERSION};
 use super::writer::failed;
-use super::{Block, Cell, Header, TICK_US, Tick, cells, names};
-use crate::record::{Contact, Event, EventKind};
+use super::{Header, LogBlock, LogTick, StatusCell, TICK_US, cells, names};
+use crate::record::{RunEvent, RunEventKind, TrueContact};
 use files::UserError;
 use files::columns::PROGRAM;
 use files::write::Staged;
@@ -46,7 +48,7 @@ pub const FORCE_TICKS: u64 = 200;
 pub const DISPLACEMENT_TICKS: u64 = 100;
 
 /// Writes the MCAP file. Dropped before [`finish`](Self::finish), it leaves nothing.
-pub struct Writer {
+pub struct McapWriter {
     file: mcap::Writer<BufWriter<Staged>>,
     target: PathBuf,
     settings: Settings,
@@ -63,11 +65,11 @@ pub struct Writer {
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     /// Its number, the quantity it was chosen by, itself.
-    best: Option<(u64, f64, Tick)>,
+    best: Option<(u64, f64, LogTick)>,
 }
 
 impl Window {
-    fn offer(&mut self, number: u64, size: f64, tick: &Tick) {
+    fn offer(&mut self, number: u64, size: f64, tick: &LogTick) {
         if self.best.is_none_or(|(_, best, _)| size > best) {
             self.best = Some((number, size, *tick));
         }
@@ -82,7 +84,7 @@ fn refused(path: &Path, error: McapError) -> UserError {
     }
 }
 
-impl Writer {
+impl McapWriter {
     /// Begins the file `path`; an older one stays until this one is whole.
     ///
     /// # Errors
@@ -135,7 +137,7 @@ impl Writer {
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn block(&mut self, block: &Block) -> Result<(), UserError> {
+    pub fn block(&mut self, block: &LogBlock) -> Result<(), UserError> {
         for tick in &block.ticks {
             self.tick(tick)?;
         }
@@ -173,7 +175,7 @@ impl Writer {
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn contact(&mut self, contact: &Contact) -> Result<(), UserError> {
+    pub fn contact(&mut self, contact: &TrueContact) -> Result<(), UserError> {
         self.write(&CONTACTS, nanoseconds(contact.onset_s), contact)
     }
 
@@ -181,12 +183,12 @@ impl Writer {
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn event(&mut self, event: &Event) -> Result<(), UserError> {
+    pub fn event(&mut self, event: &RunEvent) -> Result<(), UserError> {
         let at_ns = nanoseconds(event.time_s);
         let text = event.what.to_string();
         let (level, name) = match event.what {
-            EventKind::Scenario { .. } => (INFORMATION, "rig"),
-            EventKind::Fault { .. } => (ERROR, "controller"),
+            RunEventKind::Scenario { .. } => (INFORMATION, "rig"),
+            RunEventKind::Fault { .. } => (ERROR, "controller"),
             _ => (INFORMATION, "controller"),
         };
         let message = json!({
@@ -239,7 +241,7 @@ impl Writer {
         staged.map_err(|e| failed(&target, e.error()))
     }
 
-    fn tick(&mut self, tick: &Tick) -> Result<(), UserError> {
+    fn tick(&mut self, tick: &LogTick) -> Result<(), UserError> {
         if self.next.is_multiple_of(FORCE_TICKS) {
             self.close_force()?;
         }
@@ -258,7 +260,7 @@ impl Writer {
     }
 
     /// Contact force in N; hammer, cart and hammer relative to the cart in m, by the sensors.
-    fn sensed(&self, tick: &Tick) -> (f64, f64, f64, f64) {
+    fn sensed(&self, tick: &LogTick) -> (f64, f64, f64, f64) {
         let settings = &self.settings;
         let force_n = f64::from(settings.force.value(tick.frame.force));
         let hammer_m = f64::from(settings.hammer.value(tick.frame.hammer));
@@ -300,7 +302,7 @@ impl Writer {
 
     fn write(
         &mut self,
-        channel: &Channel,
+        channel: &LogChannel,
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), UserError> {
@@ -335,11 +337,11 @@ fn rounded(value: f64) -> Value {
     json!((value * 1e3).round() / 1e3)
 }
 
-fn to_json(cell: Cell) -> Option<Value> {
+fn to_json(cell: StatusCell) -> Option<Value> {
     match cell {
-        Cell::Null => None,
-        Cell::Int(value) => Some(json!(value)),
-        Cell::Float(value) => Some(json!(value)),
-        Cell::Text(text) => Some(json!(text)),
+        StatusCell::Null => None,
+        StatusCell::Int(value) => Some(json!(value)),
+        StatusCell::Float(value) => Some(json!(value)),
+        StatusCell::Text(text) => Some(json!(text)),
     }
 }

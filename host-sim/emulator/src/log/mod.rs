@@ -2,10 +2,10 @@
 //! what was true.
 //!
 //! A log is written block by block and needs no plant: the emulator and a recording of a real board use the
-//! same [`Writer`]; in a recording the true values are absent. [`Reader`] gives the blocks back, bit for bit,
+//! same [`LogWriter`]; in a recording the true values are absent. [`LogReader`] gives the blocks back, bit for bit,
 //! which is all that a replay needs. [`mcap`] writes the same run for Foxglove, thinned.
 //!
-//! Both files have a temporary name until [`Writer::finish`]; a run that is broken off leaves neither.
+//! Both files have a temporary name until [`LogWriter::finish`]; a run that is broken off leaves neither.
 
 #[cfg(feature = "disk")]
 mod channels;
@@ -30,10 +30,10 @@ use shared::settings::Settings;
 #[cfg(feature = "disk")]
 pub use observer::Logs;
 #[cfg(feature = "disk")]
-pub use reader::{Logged, Reader};
-pub use status::{Cell, cells, names};
+pub use reader::{LogReader, Logged};
+pub use status::{StatusCell, cells, names};
 #[cfg(feature = "disk")]
-pub use writer::Writer;
+pub use writer::LogWriter;
 pub use writer::WriterTo;
 
 /// Microseconds in a control tick.
@@ -58,7 +58,7 @@ pub struct Header {
 
 /// An input of the controller beside its samples, given before a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Input {
+pub enum LogInput {
     /// A command.
     Command(Command),
     /// New settings, in Idle.
@@ -111,7 +111,7 @@ pub struct Truth {
 
 /// One control tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tick {
+pub struct LogTick {
     /// The samples the controller was given.
     pub frame: Frame,
     /// Its set-point, which the drive gets one block later.
@@ -122,9 +122,9 @@ pub struct Tick {
 
 /// One block: the controller's inputs and outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Block {
+pub struct LogBlock {
     /// Inputs before the block, in order.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<LogInput>,
     /// How the samples came to the controller.
     pub samples: Samples,
     /// Whether a finished forecast was delivered to the controller just before the block; none: it follows
@@ -133,7 +133,7 @@ pub struct Block {
     /// Slices of forecast after the block, if they were counted (in lock-step they are).
     pub slices: Option<u32>,
     /// The ticks, at least one.
-    pub ticks: Vec<Tick>,
+    pub ticks: Vec<LogTick>,
     /// The status after the block, if it is known.
     pub status: Option<Status>,
     /// The state after the block, where that is all that is known.

@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Block, Header, Input, Samples, Tick, Truth, Writer, mcap};
-use crate::record::{BlockRow, Contact, Event, EventKind, Given, Observer, TickRow};
+use super::{Header, LogBlock, LogInput, LogTick, LogWriter, Samples, Truth, mcap};
+use crate::record::{BlockRow, Given, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use files::UserError;
 use files::write::{Staged, commit_all};
 
 /// Watches a run and writes `NAME.parquet` and `NAME.mcap`. Dropped before [`finish`](Self::finish), it leaves
 /// nothing.
 pub struct Logs {
-    parquet: Writer,
-    mcap: mcap::Writer,
+    parquet: LogWriter,
+    mcap: mcap::McapWriter,
     truths: Vec<Truth>,
     failed: Option<UserError>,
 }
@@ -23,8 +23,8 @@ impl Logs {
     /// A file cannot be written there.
     pub fn create(dir: &Path, name: &str, header: &Header) -> Result<Self, UserError> {
         Ok(Self {
-            parquet: Writer::create(dir.join(format!("{name}.parquet")), header)?,
-            mcap: mcap::Writer::create(dir.join(format!("{name}.mcap")), header)?,
+            parquet: LogWriter::create(dir.join(format!("{name}.parquet")), header)?,
+            mcap: mcap::McapWriter::create(dir.join(format!("{name}.mcap")), header)?,
             truths: Vec::new(),
             failed: None,
         })
@@ -57,7 +57,7 @@ impl Logs {
     }
 }
 
-impl Observer for Logs {
+impl RunObserver for Logs {
     fn tick(&mut self, row: &TickRow) {
         self.truths.push(Truth {
             force_n: row.true_force_n,
@@ -68,22 +68,22 @@ impl Observer for Logs {
 
     fn block(&mut self, row: &BlockRow) {
         let input = |given: &Given| match given {
-            Given::Command { command, .. } => Input::Command(*command),
-            Given::Born(settings, birth) => Input::Born(*settings, *birth),
+            Given::Command { command, .. } => LogInput::Command(*command),
+            Given::Born(settings, birth) => LogInput::Born(*settings, *birth),
         };
         let mut inputs: Vec<_> = row.given.iter().map(input).collect();
         if row.overrun {
-            inputs.push(Input::Overrun);
+            inputs.push(LogInput::Overrun);
         }
         let truths = self.truths.drain(..).map(Some);
         let truths = truths.chain(std::iter::repeat(None));
         let ticks = row.frames.iter().zip(row.outputs).zip(truths);
-        let ticks = ticks.map(|((frame, output), truth)| Tick {
+        let ticks = ticks.map(|((frame, output), truth)| LogTick {
             frame: *frame,
             output: *output,
             truth,
         });
-        let block = Block {
+        let block = LogBlock {
             inputs,
             samples: match (row.delivered, row.stale) {
                 (false, _) => Samples::Lost,
@@ -104,15 +104,15 @@ impl Observer for Logs {
         self.note(done);
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         let done = self.mcap.contact(contact);
         self.note(done);
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         let at_s = event.time_s;
         let mut done = self.mcap.event(event);
-        if let EventKind::Fault {
+        if let RunEventKind::Fault {
             fault,
             origin,
             value,

@@ -9,8 +9,8 @@ use shared::io::{AdcCode, DacCode, Frame, Output};
 
 use super::columns::{CHECKED, Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
-use super::{Cell, Header, Input, Samples, Tick, Truth};
-use files::columns::{self, Column, Field, Values};
+use super::{Header, LogInput, LogTick, Samples, StatusCell, Truth};
+use files::columns::{self, Column, ColumnField, ColumnValues};
 use files::{UserError, open_file};
 
 /// A block as it was logged.
@@ -19,7 +19,7 @@ pub struct Logged {
     /// The index of its first tick since the log's start.
     pub first_tick: u64,
     /// Inputs before the block, in order.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<LogInput>,
     /// How the samples came to the controller.
     pub samples: Samples,
     /// Whether a finished forecast was delivered just before the block, if that was recorded.
@@ -27,32 +27,32 @@ pub struct Logged {
     /// Slices of forecast after the block, if they were counted.
     pub slices: Option<u32>,
     /// The ticks.
-    pub ticks: Vec<Tick>,
+    pub ticks: Vec<LogTick>,
     /// The state after the block, if it was known.
     pub state: Option<String>,
     /// The cells of the status after the block, in the order of [`super::names`], if it was known: those that the log's
     /// version has.
-    pub status: Option<Vec<Cell>>,
+    pub status: Option<Vec<StatusCell>>,
 }
 
 /// Reads a log.
-pub struct Reader {
+pub struct LogReader {
     path: PathBuf,
-    file: columns::Reader,
-    fields: Vec<Field>,
+    file: columns::ParquetReader,
+    fields: Vec<ColumnField>,
     header: Header,
     group: usize,
     rows: Option<Rows>,
 }
 
-impl Reader {
+impl LogReader {
     /// Opens the log `path`.
     ///
     /// # Errors
     /// The file cannot be read, is cut short, is no log, or a log of a version that this program does not read.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, UserError> {
         let path = path.as_ref();
-        let file = columns::Reader::open(open_file(path)?).map_err(|e| broken(path, &e))?;
+        let file = columns::ParquetReader::open(open_file(path)?).map_err(|e| broken(path, &e))?;
         let pairs: HashMap<&str, &str> = file.pairs().collect();
         let version = version(path, &pairs)?;
         if version >= CHECKED && !file.is_checked() {
@@ -159,7 +159,7 @@ impl Rows {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
         match cursor.column.values() {
-            Values::Flag(all) => all.get(at).copied(),
+            ColumnValues::Flag(all) => all.get(at).copied(),
             _ => None,
         }
     }
@@ -168,8 +168,8 @@ impl Rows {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
         match cursor.column.values() {
-            Values::Int(all) => all.get(at).map(|v| i64::from(*v)),
-            Values::Long(all) => all.get(at).copied(),
+            ColumnValues::Int(all) => all.get(at).map(|v| i64::from(*v)),
+            ColumnValues::Long(all) => all.get(at).copied(),
             _ => None,
         }
     }
@@ -178,7 +178,7 @@ impl Rows {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
         match cursor.column.values() {
-            Values::Float(all) => all.get(at).copied(),
+            ColumnValues::Float(all) => all.get(at).copied(),
             _ => None,
         }
     }
@@ -187,27 +187,27 @@ impl Rows {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
         match cursor.column.values() {
-            Values::Bytes(all) => all.get(at).map(|v| v.data().to_vec()),
+            ColumnValues::Bytes(all) => all.get(at).map(|v| v.data().to_vec()),
             _ => None,
         }
     }
 
-    fn cell(&mut self, col: Col) -> Cell {
+    fn cell(&mut self, col: Col) -> StatusCell {
         let cursor = &mut self.columns[col as usize];
         let Some(at) = cursor.step() else {
-            return Cell::Null;
+            return StatusCell::Null;
         };
         let cell = match cursor.column.values() {
-            Values::Flag(_) => None,
-            Values::Int(all) => all.get(at).map(|v| Cell::Int(i64::from(*v))),
-            Values::Long(all) => all.get(at).map(|v| Cell::Int(*v)),
-            Values::Float(all) => all.get(at).map(|v| Cell::Float(*v)),
-            Values::Bytes(all) => all.get(at).map(|v| {
+            ColumnValues::Flag(_) => None,
+            ColumnValues::Int(all) => all.get(at).map(|v| StatusCell::Int(i64::from(*v))),
+            ColumnValues::Long(all) => all.get(at).map(|v| StatusCell::Int(*v)),
+            ColumnValues::Float(all) => all.get(at).map(|v| StatusCell::Float(*v)),
+            ColumnValues::Bytes(all) => all.get(at).map(|v| {
                 let text = String::from_utf8_lossy(v.data()).into_owned();
-                Cell::Text(Cow::Owned(text))
+                StatusCell::Text(Cow::Owned(text))
             }),
         };
-        cell.unwrap_or(Cell::Null)
+        cell.unwrap_or(StatusCell::Null)
     }
 
     /// The block that begins at this row.
@@ -235,7 +235,7 @@ impl Rows {
                 }
             }
         }
-        let mut state = Cell::Null;
+        let mut state = StatusCell::Null;
         let mut first_tick = 0;
         let mut ticks = Vec::with_capacity(length);
         for i in 0..length {
@@ -248,11 +248,11 @@ impl Rows {
         }
         self.at += length;
         let name = match &state {
-            Cell::Text(name) => Some(name.to_string()),
+            StatusCell::Text(name) => Some(name.to_string()),
             _ => None,
         };
         // A status has a tick; a recording may know the state alone.
-        let status = (rest.first() != Some(&Cell::Null))
+        let status = (rest.first() != Some(&StatusCell::Null))
             .then(|| std::iter::once(state).chain(rest).collect());
         Some(Logged {
             first_tick,
@@ -266,7 +266,7 @@ impl Rows {
         })
     }
 
-    fn tick(&mut self) -> Option<Tick> {
+    fn tick(&mut self) -> Option<LogTick> {
         let code = |value: Option<i64>| u16::try_from(value?).ok();
         let _time = self.int(Col::TimeUs)?;
         let frame = Frame {
@@ -289,7 +289,7 @@ impl Rows {
             }),
             _ => None,
         };
-        Some(Tick {
+        Some(LogTick {
             frame,
             output,
             truth,

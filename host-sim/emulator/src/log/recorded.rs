@@ -2,15 +2,15 @@
 
 use shared::link::RecordedBlock;
 
-use super::{Block, Input, Samples, Tick};
+use super::{LogBlock, LogInput, LogTick, Samples};
 
-impl From<&RecordedBlock> for Block {
+impl From<&RecordedBlock> for LogBlock {
     fn from(exchange: &RecordedBlock) -> Self {
         let notes = &exchange.notes;
         // A command that was refused changed nothing.
         let obeyed = notes.given.iter().filter(|given| given.refused.is_none());
-        let commands = obeyed.map(|given| Input::Command(given.command));
-        let overrun = notes.overrun.then_some(Input::Overrun);
+        let commands = obeyed.map(|given| LogInput::Command(given.command));
+        let overrun = notes.overrun.then_some(LogInput::Overrun);
         let pairs = exchange.frames.iter().zip(&exchange.outputs);
         Self {
             inputs: commands.chain(overrun).collect(),
@@ -22,7 +22,7 @@ impl From<&RecordedBlock> for Block {
             forecast: Some(notes.forecast_delivered),
             slices: None,
             ticks: pairs
-                .map(|(frame, output)| Tick {
+                .map(|(frame, output)| LogTick {
                     frame: *frame,
                     output: *output,
                     truth: None,

@@ -11,7 +11,7 @@ use crate::names::{basin_name, state_name};
 
 /// One value of a status.
 #[derive(Clone, Debug)]
-pub enum Cell {
+pub enum StatusCell {
     /// Not there.
     Null,
     /// A count, a tick, bits.
@@ -22,7 +22,7 @@ pub enum Cell {
     Text(Cow<'static, str>),
 }
 
-impl PartialEq for Cell {
+impl PartialEq for StatusCell {
     /// Bit for bit: a NaN equals itself, 0 and −0 differ.
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -35,7 +35,7 @@ impl PartialEq for Cell {
     }
 }
 
-impl fmt::Display for Cell {
+impl fmt::Display for StatusCell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Null => f.write_str("none"),
@@ -97,7 +97,7 @@ fn episode(faults: FaultSet) -> String {
 }
 
 /// The cells of a status.
-pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
+pub fn cells(status: &Status) -> [StatusCell; STATUS.len()] {
     let Status {
         tick,
         state,
@@ -117,31 +117,32 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         overruns,
         events_dropped,
     } = *status;
-    let text = |name: String| Cell::Text(Cow::Owned(name));
-    let of_fault =
-        |f: &dyn Fn(&shared::fault::Record) -> Cell| fault.as_ref().map_or(Cell::Null, f);
+    let text = |name: String| StatusCell::Text(Cow::Owned(name));
+    let of_fault = |f: &dyn Fn(&shared::fault::FaultRecord) -> StatusCell| {
+        fault.as_ref().map_or(StatusCell::Null, f)
+    };
     [
-        Cell::Text(Cow::Borrowed(state_name(state))),
-        Cell::Int(i64::from(tick)),
-        of_fault(&|record| Cell::Text(Cow::Borrowed(record.fault.name()))),
+        StatusCell::Text(Cow::Borrowed(state_name(state))),
+        StatusCell::Int(i64::from(tick)),
+        of_fault(&|record| StatusCell::Text(Cow::Borrowed(record.fault.name()))),
         of_fault(&|record| text(kebab(&record.origin))),
-        of_fault(&|record| Cell::Int(i64::from(record.tick))),
-        of_fault(&|record| Cell::Float(record.value)),
-        of_fault(&|record| Cell::Float(record.frequency_hz)),
-        Cell::Int(i64::from(limits.bits())),
-        Cell::Float(frequency_hz),
-        Cell::Float(amplitude_m),
-        Cell::Float(measured_amplitude_m),
-        Cell::Float(lag_rad),
+        of_fault(&|record| StatusCell::Int(i64::from(record.tick))),
+        of_fault(&|record| StatusCell::Float(record.value)),
+        of_fault(&|record| StatusCell::Float(record.frequency_hz)),
+        StatusCell::Int(i64::from(limits.bits())),
+        StatusCell::Float(frequency_hz),
+        StatusCell::Float(amplitude_m),
+        StatusCell::Float(measured_amplitude_m),
+        StatusCell::Float(lag_rad),
         text(regime.to_string()),
-        Cell::Float(peak_n),
-        Cell::Float(impulse_n_s),
-        Cell::Float(target_hz),
-        Cell::Float(target_n),
-        Cell::Text(Cow::Borrowed(basin_name(basin))),
-        Cell::Int(i64::from(reseeks)),
-        Cell::Int(i64::from(overruns)),
+        StatusCell::Float(peak_n),
+        StatusCell::Float(impulse_n_s),
+        StatusCell::Float(target_hz),
+        StatusCell::Float(target_n),
+        StatusCell::Text(Cow::Borrowed(basin_name(basin))),
+        StatusCell::Int(i64::from(reseeks)),
+        StatusCell::Int(i64::from(overruns)),
         of_fault(&|record| text(episode(record.episode))),
-        Cell::Int(i64::from(events_dropped)),
+        StatusCell::Int(i64::from(events_dropped)),
     ]
 }

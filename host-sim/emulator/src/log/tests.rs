@@ -6,7 +6,7 @@ use std::fs;
 use shared::control::{
     ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, SettingsState, State, Status, Unfit,
 };
-use shared::fault::{Fault, Origin, Record};
+use shared::fault::{Fault, FaultRecord, Origin};
 use shared::io::{AdcCode, DacCode, Frame, Output};
 use shared::model::params::PRESETS;
 use shared::model::regime::Regime;
@@ -14,7 +14,7 @@ use shared::settings::Settings;
 
 use super::*;
 use crate::names::state_name;
-use crate::record::Contact;
+use crate::record::TrueContact;
 use files::UserError;
 
 const BLOCK: usize = 10;
@@ -43,8 +43,8 @@ fn status(k: usize) -> Status {
         tick: (k * BLOCK) as u32,
         state: if k < 7 { State::Idle } else { State::Hold },
         fault: (k > 20).then(|| {
-            let first = Record::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5);
-            let then = Record::new(Fault::SensorOpen, Origin::Cart, 90, 0.0, 3.5);
+            let first = FaultRecord::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5);
+            let then = FaultRecord::new(Fault::SensorOpen, Origin::Cart, 90, 0.0, 3.5);
             then.after(Some(first))
         }),
         limits: ActiveLimits::FORCE | ActiveLimits::TRAVEL,
@@ -65,11 +65,11 @@ fn status(k: usize) -> Status {
 }
 
 /// A block whose every value depends on `k`; a spike of force in one tick of block 13.
-fn block(k: usize) -> Block {
+fn block(k: usize) -> LogBlock {
     let tick = |i: usize| {
         let n = k * BLOCK + i;
         let spike = k == 13 && i == 4;
-        Tick {
+        LogTick {
             frame: Frame {
                 force: AdcCode(if spike { 3000 } else { 600 + (n % 7) as u16 }),
                 hammer: AdcCode((n * 31 % 4096) as u16),
@@ -88,11 +88,11 @@ fn block(k: usize) -> Block {
             }),
         }
     };
-    Block {
+    LogBlock {
         inputs: match k {
-            0 => vec![Input::Command(Command::Start(Mode::Automatic))],
-            3 => vec![Input::Overrun, Input::Settings(header().settings)],
-            4 => vec![Input::Born(header().settings, BootInfo::STORED)],
+            0 => vec![LogInput::Command(Command::Start(Mode::Automatic))],
+            3 => vec![LogInput::Overrun, LogInput::Settings(header().settings)],
+            4 => vec![LogInput::Born(header().settings, BootInfo::STORED)],
             _ => Vec::new(),
         },
         samples: match k {
@@ -127,7 +127,7 @@ fn as_logged(k: usize) -> Logged {
 }
 
 fn write(path: &std::path::Path, blocks: usize) {
-    let mut writer = Writer::create(path, &header()).unwrap();
+    let mut writer = LogWriter::create(path, &header()).unwrap();
     for k in 0..blocks {
         writer.block(&block(k)).unwrap();
     }
@@ -141,7 +141,7 @@ fn what_is_written_is_read_bit_for_bit() {
     // More than one row group.
     let blocks = 20_500;
     write(&path, blocks);
-    let mut reader = Reader::open(&path).unwrap();
+    let mut reader = LogReader::open(&path).unwrap();
     assert_eq!(reader.header(), &header());
     assert_eq!(reader.ticks(), (blocks * BLOCK) as u64);
     for k in 0..blocks {
@@ -154,19 +154,19 @@ fn what_is_written_is_read_bit_for_bit() {
 fn the_episode_names_all_its_faults() {
     let at = names().iter().position(|name| *name == "episode").unwrap();
     let episode = |k: usize| cells(&status(k))[at].clone();
-    assert_eq!(episode(20), Cell::Null);
-    let both = Cell::Text("over-force sensor-open".into());
+    assert_eq!(episode(20), StatusCell::Null);
+    let both = StatusCell::Text("over-force sensor-open".into());
     assert_eq!(episode(21), both);
     // Lost events come after it.
     assert_eq!(names().last(), Some(&"events_dropped"));
-    assert_eq!(cells(&status(21)).last(), Some(&Cell::Int(65_535)));
+    assert_eq!(cells(&status(21)).last(), Some(&StatusCell::Int(65_535)));
 }
 
 #[test]
 fn a_recording_has_no_truth() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("board.parquet");
-    let mut writer = Writer::create(&path, &header()).unwrap();
+    let mut writer = LogWriter::create(&path, &header()).unwrap();
     let mut recorded = block(1);
     recorded.ticks.truncate(3);
     for tick in &mut recorded.ticks {
@@ -177,7 +177,7 @@ fn a_recording_has_no_truth() {
     recorded.slices = None;
     writer.block(&recorded).unwrap();
     writer.finish().unwrap();
-    let read = Reader::open(&path).unwrap().block().unwrap().unwrap();
+    let read = LogReader::open(&path).unwrap().block().unwrap().unwrap();
     assert_eq!(read.ticks, recorded.ticks);
     assert_eq!((read.status, read.state, read.slices), (None, None, None));
 }
@@ -185,10 +185,10 @@ fn a_recording_has_no_truth() {
 #[test]
 fn a_log_broken_off_leaves_nothing() {
     let dir = tempfile::tempdir().unwrap();
-    let mut writer = Writer::create(dir.path().join("a.parquet"), &header()).unwrap();
+    let mut writer = LogWriter::create(dir.path().join("a.parquet"), &header()).unwrap();
     writer.block(&block(0)).unwrap();
     drop(writer);
-    let mut writer = mcap::Writer::create(dir.path().join("a.mcap"), &header()).unwrap();
+    let mut writer = mcap::McapWriter::create(dir.path().join("a.mcap"), &header()).unwrap();
     writer.block(&block(0)).unwrap();
     drop(writer);
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
@@ -196,7 +196,7 @@ fn a_log_broken_off_leaves_nothing() {
 
 /// Opens and reads to the end.
 fn read_all(path: &std::path::Path) -> Result<(), UserError> {
-    let mut reader = Reader::open(path)?;
+    let mut reader = LogReader::open(path)?;
     while reader.block()?.is_some() {}
     Ok(())
 }
@@ -258,7 +258,7 @@ fn the_damaged_part_is_named_and_what_comes_before_it_is_read() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 4;
     fs::write(&path, &bytes).unwrap();
-    let mut reader = Reader::open(&path).unwrap();
+    let mut reader = LogReader::open(&path).unwrap();
     for k in 0..20_000 {
         assert_eq!(reader.block().unwrap().unwrap(), as_logged(k), "block {k}");
     }
@@ -271,8 +271,8 @@ fn the_damaged_part_is_named_and_what_comes_before_it_is_read() {
 
 /// A log of some version: the columns of that version with the values of today's log at `path`.
 fn as_version(version: u32, columns: u32, path: &std::path::Path) -> std::path::PathBuf {
-    use files::columns::{Reader, Writer};
-    let file = Reader::open(fs::File::open(path).unwrap()).unwrap();
+    use files::columns::{ParquetReader, ParquetWriter};
+    let file = ParquetReader::open(fs::File::open(path).unwrap()).unwrap();
     let pairs = file.pairs().map(|(key, value)| {
         let format = format!("vibro-impact run {version}");
         let value = if key == "format" { &format } else { value };
@@ -281,7 +281,7 @@ fn as_version(version: u32, columns: u32, path: &std::path::Path) -> std::path::
     let fields = columns::fields(columns::VERSION);
     let groups = (0..file.groups()).map(|i| file.group(i, &fields).unwrap());
     let named = columns::fields(columns);
-    let mut writer = Writer::new(Vec::new(), "run", &named, pairs.collect()).unwrap();
+    let mut writer = ParquetWriter::new(Vec::new(), "run", &named, pairs.collect()).unwrap();
     groups.for_each(|group| writer.group(&group).unwrap());
     let other = path.with_file_name("other.parquet");
     fs::write(&other, writer.finish().unwrap()).unwrap();
@@ -296,7 +296,7 @@ fn a_log_of_the_first_version_is_read_with_its_own_name_of_the_impulse() {
     let bytes = fs::read(as_version(1, 1, &path)).unwrap();
     let has = |name: &[u8]| bytes.windows(name.len()).any(|there| there == name);
     assert!(has(b"impulse_ns") && !has(b"impulse_n_s"));
-    let mut reader = Reader::open(dir.path().join("other.parquet")).unwrap();
+    let mut reader = LogReader::open(dir.path().join("other.parquet")).unwrap();
     for k in 0..40 {
         let mut logged = as_logged(k);
         // Its status is that of today but for the episode and the events that were dropped.

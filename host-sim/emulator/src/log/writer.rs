@@ -8,10 +8,10 @@ use shared::settings::TICK_RATE_HZ;
 
 use super::columns::{Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
-use super::{Block, Cell, Header, TICK_US, Tick, cells};
+use super::{Header, LogBlock, LogTick, StatusCell, TICK_US, cells};
 use crate::names::state_name;
 use files::UserError;
-use files::columns::{self, Column, PROGRAM, Value};
+use files::columns::{self, Column, ColumnValue, PROGRAM};
 #[cfg(feature = "disk")]
 use files::write::Staged;
 
@@ -20,11 +20,11 @@ const GROUP_ROWS: usize = 200_000;
 
 /// Writes a log into a file. Dropped before `finish`, it leaves nothing.
 #[cfg(feature = "disk")]
-pub type Writer = WriterTo<Staged>;
+pub type LogWriter = WriterTo<Staged>;
 
 /// Writes a log into anything that takes bytes.
 pub struct WriterTo<W: Write + Send> {
-    file: columns::Writer<W>,
+    file: columns::ParquetWriter<W>,
     target: PathBuf,
     columns: Vec<Column>,
     rows: usize,
@@ -32,7 +32,7 @@ pub struct WriterTo<W: Write + Send> {
 }
 
 #[cfg(feature = "disk")]
-impl Writer {
+impl LogWriter {
     /// Begins the log `path`; an older one stays until this one is whole.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ impl<W: Write + Send> WriterTo<W> {
     /// The sink takes nothing.
     pub fn over(sink: W, target: PathBuf, header: &Header) -> Result<Self, UserError> {
         let fields = fields(VERSION);
-        let file = columns::Writer::new(sink, "run", &fields, metadata(header)?);
+        let file = columns::ParquetWriter::new(sink, "run", &fields, metadata(header)?);
         Ok(Self {
             file: file.map_err(|e| failed(&target, e))?,
             target,
@@ -73,7 +73,7 @@ impl<W: Write + Send> WriterTo<W> {
     ///
     /// # Errors
     /// The disk refuses, or the block has no ticks.
-    pub fn block(&mut self, block: &Block) -> Result<(), UserError> {
+    pub fn block(&mut self, block: &LogBlock) -> Result<(), UserError> {
         if block.ticks.is_empty() {
             return Err(UserError::new("a block without ticks cannot be logged"));
         }
@@ -107,30 +107,35 @@ impl<W: Write + Send> WriterTo<W> {
         self.file.finish().map_err(|e| failed(&target, e))
     }
 
-    fn push(&mut self, col: Col, value: Option<Value>) {
+    fn push(&mut self, col: Col, value: Option<ColumnValue>) {
         let pushed = self.columns[col as usize].push(value);
         pushed.expect("a value of the column's kind");
     }
 
-    fn tick(&mut self, tick: &Tick, state: Option<&str>) {
+    fn tick(&mut self, tick: &LogTick, state: Option<&str>) {
         let (frame, output) = (tick.frame, tick.output);
-        let code = |code: u16| Some(Value::Int(i32::from(code)));
-        self.push(Col::Tick, Some(Value::Long(self.next)));
-        self.push(Col::TimeUs, Some(Value::Long(self.next * TICK_US)));
+        let code = |code: u16| Some(ColumnValue::Int(i32::from(code)));
+        self.push(Col::Tick, Some(ColumnValue::Long(self.next)));
+        self.push(Col::TimeUs, Some(ColumnValue::Long(self.next * TICK_US)));
         self.push(Col::Force, code(frame.force.0));
         self.push(Col::Hammer, code(frame.hammer.0));
         self.push(Col::Cart, code(frame.cart.0));
-        self.push(Col::Emergency, Some(Value::Flag(frame.emergency)));
+        self.push(Col::Emergency, Some(ColumnValue::Flag(frame.emergency)));
         self.push(Col::Dac, code(output.dac.0));
-        self.push(Col::FrequencySet, Some(Value::Float(output.frequency_hz)));
-        self.push(Col::Enable, Some(Value::Flag(output.enable)));
+        self.push(
+            Col::FrequencySet,
+            Some(ColumnValue::Float(output.frequency_hz)),
+        );
+        self.push(Col::Enable, Some(ColumnValue::Flag(output.enable)));
         let truth = |value: fn(&super::Truth) -> f64| {
-            tick.truth.as_ref().map(|t| Value::Float(value(t) as f32))
+            tick.truth
+                .as_ref()
+                .map(|t| ColumnValue::Float(value(t) as f32))
         };
         self.push(Col::TrueForce, truth(|t| t.force_n));
         self.push(Col::TrueHammer, truth(|t| t.hammer_m * 1e3));
         self.push(Col::TrueCart, truth(|t| t.cart_m * 1e3));
-        self.push(Col::State, state.map(Value::Text));
+        self.push(Col::State, state.map(ColumnValue::Text));
         self.next += 1;
         self.rows += 1;
     }
@@ -138,10 +143,10 @@ impl<W: Write + Send> WriterTo<W> {
     /// The columns that have a value at the block's first tick alone.
     fn block_columns(
         &mut self,
-        block: &Block,
-        cells: Option<&[Cell; STATUS.len()]>,
+        block: &LogBlock,
+        cells: Option<&[StatusCell; STATUS.len()]>,
     ) -> Result<(), UserError> {
-        let int = |n: usize| Value::Int(i32::try_from(n).unwrap_or(i32::MAX));
+        let int = |n: usize| ColumnValue::Int(i32::try_from(n).unwrap_or(i32::MAX));
         let (text, packed) = if block.inputs.is_empty() {
             (None, None)
         } else {
@@ -150,10 +155,13 @@ impl<W: Write + Send> WriterTo<W> {
         };
         self.push(Col::BlockTicks, Some(int(block.ticks.len())));
         self.push(Col::Slices, block.slices.map(|n| int(n as usize)));
-        self.push(Col::Samples, Some(Value::Text(block.samples.name())));
-        self.push(Col::Forecast, block.forecast.map(Value::Flag));
-        self.push(Col::Inputs, text.as_deref().map(Value::Text));
-        self.push(Col::InputsPostcard, packed.as_deref().map(Value::Bytes));
+        self.push(Col::Samples, Some(ColumnValue::Text(block.samples.name())));
+        self.push(Col::Forecast, block.forecast.map(ColumnValue::Flag));
+        self.push(Col::Inputs, text.as_deref().map(ColumnValue::Text));
+        self.push(
+            Col::InputsPostcard,
+            packed.as_deref().map(ColumnValue::Bytes),
+        );
         for (i, col) in STATUS.into_iter().enumerate().skip(1) {
             self.push(col, cells.and_then(|cells| value(&cells[i])));
         }
@@ -176,12 +184,12 @@ impl<W: Write + Send> WriterTo<W> {
     }
 }
 
-fn value(cell: &Cell) -> Option<Value<'_>> {
+fn value(cell: &StatusCell) -> Option<ColumnValue<'_>> {
     match cell {
-        Cell::Null => None,
-        Cell::Int(value) => Some(Value::Long(*value)),
-        Cell::Float(value) => Some(Value::Float(*value)),
-        Cell::Text(text) => Some(Value::Text(text)),
+        StatusCell::Null => None,
+        StatusCell::Int(value) => Some(ColumnValue::Long(*value)),
+        StatusCell::Float(value) => Some(ColumnValue::Float(*value)),
+        StatusCell::Text(text) => Some(ColumnValue::Text(text)),
     }
 }
 

@@ -1,15 +1,15 @@
 //! The contacts of the plant: when they begin and end, and what each step adds to them.
 
-use shared::model::rig::Mode;
+use shared::model::rig::SwitchMode;
 
-use super::{Blow, Plant, bisect};
-use crate::bodies::{State, Totals};
-use crate::record::Contact;
-use crate::shaker::Path;
+use super::{Plant, PlantBlow, bisect};
+use crate::bodies::{BodiesState, PlantTotals};
+use crate::record::TrueContact;
+use crate::shaker::SetPointPath;
 
 impl Plant {
     /// Keeps what a step of contact adds to the contact's record.
-    pub(super) fn keep(&mut self, before: &State, s: f64, h: f64, totals: &Totals) {
+    pub(super) fn keep(&mut self, before: &BodiesState, s: f64, h: f64, totals: &PlantTotals) {
         self.touched = true;
         let (f0, r0) = self.bodies.force_and_rate(before, s);
         let (f1, r1) = self.bodies.force_and_rate(&self.state, s + h);
@@ -22,7 +22,7 @@ impl Plant {
         };
         if self.rising && r1 < 0.0 {
             self.rising = false;
-            self.blows.push(Blow {
+            self.blows.push(PlantBlow {
                 at_s: s + at,
                 peak_n: peak,
             });
@@ -42,8 +42,8 @@ impl Plant {
     /// Crosses the switch `s` seconds into the tick: a contact begins or ends.
     pub(super) fn switch(&mut self, s: f64) {
         match self.bodies.mode {
-            Mode::Flight => self.begin_contact(s),
-            Mode::Contact => {
+            SwitchMode::Flight => self.begin_contact(s),
+            SwitchMode::Contact => {
                 let at = self.bodies.kinematics(&self.state);
                 let front = self.state.front;
                 if let Some(ground) = &mut self.bodies.ground
@@ -51,7 +51,7 @@ impl Plant {
                 {
                     return;
                 }
-                self.bodies.mode = Mode::Flight;
+                self.bodies.mode = SwitchMode::Flight;
                 if let Some(mut contact) = self.open.take() {
                     contact.rebound_speed_m_per_s = -self.bodies.kinematics(&self.state).rate;
                     self.finished.push(contact);
@@ -68,15 +68,15 @@ impl Plant {
             ground.begin(&at, front);
         }
         let onset_s = self.time_s() + s;
-        self.bodies.mode = Mode::Contact;
+        self.bodies.mode = SwitchMode::Contact;
         self.bodies.approach = approach;
         self.rising = true;
         self.touched = true;
-        self.open = Some(Contact {
+        self.open = Some(TrueContact {
             onset_s,
             approach_speed_m_per_s: approach,
             peak_at_s: onset_s,
-            ..Contact::default()
+            ..TrueContact::default()
         });
     }
 }
@@ -84,7 +84,7 @@ impl Plant {
 /// Where (s into the step) and how large a cubic through value and slope at both ends is at its largest,
 /// given that it rises at the start and falls at the end.
 fn largest(h: f64, (f0, r0): (f64, f64), (f1, r1): (f64, f64)) -> (f64, f64) {
-    let path = Path::new(h, (f0, r0), (f1, r1));
+    let path = SetPointPath::new(h, (f0, r0), (f1, r1));
     let top = bisect(h, |s| path.at(s).1 < 0.0);
     (top, path.at(top).0)
 }

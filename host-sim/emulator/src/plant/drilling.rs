@@ -1,14 +1,14 @@
 //! The plant on ground that gives way, and its feed.
 
-use shared::model::rig::Mode;
+use shared::model::rig::SwitchMode;
 
 use super::Plant;
-use crate::ground::Ground;
+use crate::ground::PlantGround;
 
 impl Plant {
     /// The same on ground that gives way, in flight.
     #[must_use]
-    pub fn on_ground(mut self, ground: Option<Ground>) -> Self {
+    pub fn on_ground(mut self, ground: Option<PlantGround>) -> Self {
         self.bodies.ground = ground;
         self
     }
@@ -22,7 +22,7 @@ impl Plant {
     #[inline]
     pub(super) fn feed(&mut self) {
         if let Some(ground) = &self.bodies.ground
-            && self.bodies.mode == Mode::Flight
+            && self.bodies.mode == SwitchMode::Flight
         {
             self.state.front *= 1.0 - (self.tick_s / ground.feed_s).min(1.0);
         }

@@ -4,7 +4,7 @@ use numerics::root::halved;
 use shared::model::params::{RigParams, SupportParams};
 use shared::model::rig::Rig;
 
-use crate::bodies::State;
+use crate::bodies::BodiesState;
 use crate::shaker::Loop;
 
 /// `params` with the part of gravity that a tilted rig's hammer hangs in.
@@ -20,10 +20,10 @@ pub(super) fn upright(params: &RigParams, tilt_rad: f64) -> RigParams {
 }
 
 /// Hammer and cart at rest while the drive is off and gravity pulls with `along`.
-pub(super) fn rest(rig: &Rig<f64>, shaker: &Loop, params: &RigParams, along: f64) -> State {
-    let mut state = State {
+pub(super) fn rest(rig: &Rig<f64>, shaker: &Loop, params: &RigParams, along: f64) -> BodiesState {
+    let mut state = BodiesState {
         q: rig.rest(),
-        ..State::default()
+        ..BodiesState::default()
     };
     if along == 0.0 {
         return state;

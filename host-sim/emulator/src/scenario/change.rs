@@ -12,7 +12,7 @@ use numerics::root::halved;
 /// A change of a rig: what the true one has more than its keys state, or what it drifts to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Change {
+pub struct RigChange {
     /// Natural frequency, % more.
     pub natural_frequency_percent: f64,
     /// Contact stiffness, % more.
@@ -25,7 +25,7 @@ pub struct Change {
     pub restitution: Option<f64>,
 }
 
-impl Change {
+impl RigChange {
     /// The keys, as `[true_rig]` may use them beside a rig's own.
     pub const KEYS: [&str; 5] = [
         "natural_frequency_percent",

@@ -7,9 +7,9 @@ use shared::settings::{Settings, TICK_S};
 
 use super::event::Timed;
 use crate::cart::Mounting;
-use crate::ground::Ground;
+use crate::ground::PlantGround;
 use crate::motor::MotorParams;
-use crate::plant::Drive;
+use crate::plant::ShakerDrive;
 use crate::sensors::SensorParams;
 use crate::shaker::ShakerParams;
 
@@ -48,7 +48,7 @@ pub struct Scenario {
     /// How the cart is mounted.
     pub mounting: Mounting,
     /// Ground that gives way, in place of the true rig's contact.
-    pub ground: Option<Ground>,
+    pub ground: Option<PlantGround>,
     /// The sensors.
     pub sensors: SensorParams,
     /// What happens, by rising time.
@@ -64,11 +64,11 @@ impl Scenario {
     }
 
     /// What moves the cart.
-    pub fn drive(&self) -> Drive {
+    pub fn drive(&self) -> ShakerDrive {
         match self.motor {
-            Some(motor) => Drive::Motor(motor),
-            None if self.prescribed => Drive::Prescribed,
-            None => Drive::Shaker(self.shaker),
+            Some(motor) => ShakerDrive::Motor(motor),
+            None if self.prescribed => ShakerDrive::Prescribed,
+            None => ShakerDrive::Shaker(self.shaker),
         }
     }
 

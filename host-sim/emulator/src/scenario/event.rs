@@ -5,7 +5,7 @@ use shared::control;
 use shared::model::params::RigParams;
 use toml::Value;
 
-use super::change::Change;
+use super::change::RigChange;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::LONGEST_S;
 use super::hardware::{TILT_DEG, friction};
@@ -21,13 +21,13 @@ pub struct Timed {
     /// When, s of rig time.
     pub at_s: f64,
     /// What.
-    pub act: Act,
+    pub act: ScenarioAct,
 }
 
 /// How the controller runs after a start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Mode {
+pub enum StartMode {
     /// It seeks and holds by itself.
     #[default]
     Automatic,
@@ -35,11 +35,11 @@ pub enum Mode {
     Manual,
 }
 
-impl From<Mode> for control::Mode {
-    fn from(mode: Mode) -> Self {
+impl From<StartMode> for control::Mode {
+    fn from(mode: StartMode) -> Self {
         match mode {
-            Mode::Automatic => Self::Automatic,
-            Mode::Manual => Self::Manual,
+            StartMode::Automatic => Self::Automatic,
+            StartMode::Manual => Self::Manual,
         }
     }
 }
@@ -62,12 +62,12 @@ fn once() -> u32 {
 /// An event of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Act {
+pub enum ScenarioAct {
     /// The command to start.
     Start {
         /// By itself, or by hand.
         #[serde(default)]
-        mode: Mode,
+        mode: StartMode,
     },
     /// The command to stop.
     Stop {},
@@ -182,9 +182,9 @@ pub enum Act {
     },
 }
 
-impl Act {
+impl ScenarioAct {
     /// The change a drift makes.
-    pub fn change(&self) -> Option<(Change, f64)> {
+    pub fn change(&self) -> Option<(RigChange, f64)> {
         match *self {
             Self::Drift {
                 over_s,
@@ -194,7 +194,7 @@ impl Act {
                 gap_offset_mm,
                 restitution,
             } => Some((
-                Change {
+                RigChange {
                     natural_frequency_percent,
                     contact_stiffness_percent,
                     contact_damping_percent,
@@ -272,10 +272,10 @@ impl Act {
             Self::SensorFault(how) => how.check(),
             Self::Drift { .. } => {
                 let (change, _) = self.change().unwrap_or_default();
-                if change == Change::default() {
+                if change == RigChange::default() {
                     return Err(UserError::new(format!(
                         "a drift that changes nothing; give at least one of {}",
-                        Change::KEYS.join(", ")
+                        RigChange::KEYS.join(", ")
                     )));
                 }
                 change.check()?;
@@ -324,7 +324,8 @@ pub fn timed(mut table: toml::Table, duration_s: f64, rig: &RigParams) -> Result
             "at_s is {at_s}, must be from 0 to duration_s = {duration_s}"
         )));
     }
-    let act = Act::deserialize(Value::Table(table)).map_err(|e| not_understood(e.message()))?;
+    let act =
+        ScenarioAct::deserialize(Value::Table(table)).map_err(|e| not_understood(e.message()))?;
     act.check(rig)?;
     Ok(Timed { at_s, act })
 }

@@ -9,12 +9,14 @@ use shared::model::params::{ParamError, RigParams};
 use shared::settings::{DriveKind, Settings};
 use toml::Value;
 
-use super::change::Change;
+use super::change::RigChange;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
 use super::ground::GroundTable;
-use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
+use super::hardware::{
+    CartTable, MotorTable, SensorsTable, ShakerTable, motor, mounting, sensors, shaker,
+};
 use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::decimal::comma_at;
@@ -49,11 +51,11 @@ struct File {
     #[serde(default)]
     operator: Operator,
     #[serde(default)]
-    shaker: Shaker,
+    shaker: ShakerTable,
     #[serde(default)]
-    sensors: Sensors,
+    sensors: SensorsTable,
     #[serde(default)]
-    cart: Cart,
+    cart: CartTable,
     motor: Option<MotorTable>,
     ground: Option<GroundTable>,
     #[serde(default)]
@@ -239,11 +241,11 @@ fn true_rig(
     place: &str,
 ) -> Result<(RigParams, RigParams), UserError> {
     let place = format!("{place}, [true_rig]");
-    let changes: toml::Table = Change::KEYS
+    let changes: toml::Table = RigChange::KEYS
         .iter()
         .filter_map(|key| keys.remove_entry(*key))
         .collect();
-    let change = Change::deserialize(Value::Table(changes))
+    let change = RigChange::deserialize(Value::Table(changes))
         .map_err(|e| not_understood(e.message()).at(&place))?;
     change.check().map_err(|e| e.at(&place))?;
     let plain = rigfile::from_keys(keys, &place)?;

@@ -6,7 +6,7 @@ use shared::model::params::RigParams;
 use shared::model::slider::Slider;
 
 use super::complaint::out_of_range;
-use crate::ground::Ground;
+use crate::ground::PlantGround;
 use files::UserError;
 
 /// The table `[ground]`: ground that gives way.
@@ -29,7 +29,7 @@ impl GroundTable {
     ///
     /// # Errors
     /// A number is out of its range, or missing where the rig's contact is no spring-dashpot.
-    pub fn of(&self, rig: &RigParams) -> Result<Ground, UserError> {
+    pub fn of(&self, rig: &RigParams) -> Result<PlantGround, UserError> {
         let own = match rig.contact {
             Law::SpringDashpot { stiffness, damping } => (stiffness, damping),
             _ => (f64::NAN, f64::NAN),
@@ -43,7 +43,7 @@ impl GroundTable {
         if !(1e-3..=1e6).contains(&self.feed_s) {
             return Err(out_of_range("feed_s", self.feed_s, "0.001 to 1000000"));
         }
-        Ok(Ground {
+        Ok(PlantGround {
             slider,
             feed_s: self.feed_s,
             slipping: false,

@@ -7,7 +7,7 @@ use shared::settings::Settings;
 use super::complaint::out_of_range;
 use crate::cart::{Friction, Mounting, Stops};
 use crate::motor::MotorParams;
-use crate::sensors::{Errors, SensorParams};
+use crate::sensors::{SensorErrors, SensorParams};
 use crate::shaker::{ArmatureParams, ShakerParams};
 use files::UserError;
 
@@ -17,7 +17,7 @@ pub const TILT_DEG: (f64, f64) = (-10.0, 10.0);
 /// The table `[shaker]`.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Shaker {
+pub struct ShakerTable {
     pub prescribed: Option<bool>,
     loop_hz: Option<f64>,
     loop_damping_ratio: Option<f64>,
@@ -37,7 +37,7 @@ pub struct Shaker {
 /// The table `[cart]`.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cart {
+pub struct CartTable {
     coulomb_n: Option<f64>,
     static_n: Option<f64>,
     viscous_n_s_per_m: Option<f64>,
@@ -63,7 +63,7 @@ pub struct MotorTable {
 /// The table `[sensors]`.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sensors {
+pub struct SensorsTable {
     noise_percent: Option<f64>,
     force_noise_n: Option<f64>,
     hammer_noise_um: Option<f64>,
@@ -100,7 +100,7 @@ fn pick(
 }
 
 /// The shaker, its defaults for what is left out.
-pub fn shaker(file: &Shaker) -> Result<ShakerParams, UserError> {
+pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
     let d = ShakerParams::default();
     let ratio = (0.0, 10.0);
     Ok(ShakerParams {
@@ -150,7 +150,7 @@ pub fn shaker(file: &Shaker) -> Result<ShakerParams, UserError> {
 }
 
 /// The armature, if it has a mode of its own.
-fn armature(file: &Shaker) -> Result<Option<ArmatureParams>, UserError> {
+fn armature(file: &ShakerTable) -> Result<Option<ArmatureParams>, UserError> {
     let Some(mass_kg) = file.armature_kg else {
         let orphan = [
             ("armature_hz", file.armature_hz),
@@ -193,7 +193,7 @@ pub fn friction(
 }
 
 /// How the cart is mounted.
-pub fn mounting(file: &Cart) -> Result<Mounting, UserError> {
+pub fn mounting(file: &CartTable) -> Result<Mounting, UserError> {
     let stiffness = pick(
         "stop_stiffness_n_per_m",
         file.stop_stiffness_n_per_m,
@@ -260,7 +260,7 @@ pub fn motor(file: &MotorTable, rig: &RigParams) -> Result<MotorParams, UserErro
 }
 
 /// The sensors, their defaults for what is left out.
-pub fn sensors(file: &Sensors, settings: &Settings) -> Result<SensorParams, UserError> {
+pub fn sensors(file: &SensorsTable, settings: &Settings) -> Result<SensorParams, UserError> {
     let d = SensorParams::default();
     let share = pick("noise_percent", file.noise_percent, (0.0, 50.0), 0.01, 0.0)?;
     // Noise in percent is of what is typical: the strongest 1/1, a fifth of the force sensor's range, and A0.
@@ -317,7 +317,7 @@ pub fn sensors(file: &Sensors, settings: &Settings) -> Result<SensorParams, User
 }
 
 /// The default sensors with the ringing of the file.
-fn ringing(file: &Sensors, d: SensorParams) -> Result<SensorParams, UserError> {
+fn ringing(file: &SensorsTable, d: SensorParams) -> Result<SensorParams, UserError> {
     Ok(SensorParams {
         ringing_hz: pick(
             "ringing_hz",
@@ -350,9 +350,9 @@ fn errors(
     values: [Option<f64>; 3],
     unit: f64,
     noise: f64,
-) -> Result<Errors, UserError> {
+) -> Result<SensorErrors, UserError> {
     const REACH: f64 = 1e5;
-    Ok(Errors {
+    Ok(SensorErrors {
         offset: pick(names[0], values[0], (-REACH, REACH), unit, 0.0)?,
         gain_error: pick(names[1], values[1], (-50.0, 100.0), 0.01, 0.0)?,
         noise: pick(names[2], values[2], (0.0, REACH), unit, noise)?,

@@ -19,11 +19,11 @@ use files::read_text;
 use files::rigfile::nearest;
 
 pub use builtin::BUILTIN;
-pub use change::Change;
+pub use change::RigChange;
 pub use definition::{Expect, Scenario};
-pub use event::{Act, Mode, Stuck, Timed};
+pub use event::{ScenarioAct, StartMode, Stuck, Timed};
 pub use file::parse;
-pub use sensor_fault::{Fault, SensorFault, Which};
+pub use sensor_fault::{SensorDefect, SensorFault, Which};
 
 /// The built-in scenario called `name`, or the one in the file of that path.
 ///

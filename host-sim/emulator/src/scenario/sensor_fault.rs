@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use shared::settings::TICK_S;
 
-use crate::sensors::{Defect, End, Sensor};
+use crate::sensors::{BadContactEnd, Defect, EmulatedSensor};
 use files::UserError;
 
 /// Which sensors.
@@ -22,21 +22,21 @@ pub enum Which {
     All,
 }
 
-impl From<Sensor> for Which {
-    fn from(sensor: Sensor) -> Self {
+impl From<EmulatedSensor> for Which {
+    fn from(sensor: EmulatedSensor) -> Self {
         match sensor {
-            Sensor::Force => Self::Force,
-            Sensor::Hammer => Self::Hammer,
-            Sensor::Cart => Self::Cart,
+            EmulatedSensor::Force => Self::Force,
+            EmulatedSensor::Hammer => Self::Hammer,
+            EmulatedSensor::Cart => Self::Cart,
         }
     }
 }
 
 impl Which {
-    fn has(self, sensor: Sensor) -> bool {
+    fn has(self, sensor: EmulatedSensor) -> bool {
         match self {
             Self::All => true,
-            Self::Displacements => sensor != Sensor::Force,
+            Self::Displacements => sensor != EmulatedSensor::Force,
             one => one == sensor.into(),
         }
     }
@@ -45,7 +45,7 @@ impl Which {
 /// What is wrong with a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Fault {
+pub enum SensorDefect {
     /// Its wire is open.
     Open,
     /// It is at its upper rail.
@@ -85,7 +85,7 @@ pub struct SensorFault {
     /// Which sensors.
     pub sensor: Which,
     /// What is wrong with them.
-    pub fault: Fault,
+    pub fault: SensorDefect,
     /// How many times too large it reads, or its supply is.
     pub times: Option<f64>,
     /// For so long, s; left out: to the end.
@@ -113,7 +113,7 @@ pub struct SensorFault {
     /// Of so many.
     pub of: Option<u32>,
     /// At which end.
-    pub at: Option<End>,
+    pub at: Option<BadContactEnd>,
 }
 
 /// Keys in N and µm of offset, drift and noise.
@@ -123,7 +123,7 @@ const NOISE: [&str; 2] = ["noise_n", "noise_um"];
 
 impl SensorFault {
     /// A fault without a number, to the end.
-    pub fn new(sensor: Which, fault: Fault) -> Self {
+    pub fn new(sensor: Which, fault: SensorDefect) -> Self {
         Self {
             sensor,
             fault,
@@ -172,26 +172,27 @@ impl SensorFault {
     fn takes(&self) -> (Vec<&'static str>, bool) {
         // Of a key in N and in µm, those that the sensors have.
         let units = |keys: [&'static str; 2]| {
-            let force = self.sensor.has(Sensor::Force);
-            let length = self.sensor.has(Sensor::Hammer) || self.sensor.has(Sensor::Cart);
+            let force = self.sensor.has(EmulatedSensor::Force);
+            let length =
+                self.sensor.has(EmulatedSensor::Hammer) || self.sensor.has(EmulatedSensor::Cart);
             let keys = keys.into_iter().zip([force, length]);
             keys.filter_map(|(key, has)| has.then_some(key)).collect()
         };
         match self.fault {
-            Fault::Gain | Fault::Supply => (vec!["times"], true),
-            Fault::GainDrift => (vec!["percent_per_s"], true),
-            Fault::Offset => (units(OFFSET), true),
-            Fault::OffsetDrift => (units(DRIFT), true),
-            Fault::Dead => (units(NOISE), false),
-            Fault::Delayed => (vec!["delay_ms"], true),
-            Fault::DelayDrift => (vec!["delay_ms_per_s"], true),
-            Fault::Intermittent => (vec!["ticks", "of"], true),
-            Fault::Open
-            | Fault::Saturated
-            | Fault::SaturatedLow
-            | Fault::Frozen
-            | Fault::Reversed
-            | Fault::Swapped => (vec![], false),
+            SensorDefect::Gain | SensorDefect::Supply => (vec!["times"], true),
+            SensorDefect::GainDrift => (vec!["percent_per_s"], true),
+            SensorDefect::Offset => (units(OFFSET), true),
+            SensorDefect::OffsetDrift => (units(DRIFT), true),
+            SensorDefect::Dead => (units(NOISE), false),
+            SensorDefect::Delayed => (vec!["delay_ms"], true),
+            SensorDefect::DelayDrift => (vec!["delay_ms_per_s"], true),
+            SensorDefect::Intermittent => (vec!["ticks", "of"], true),
+            SensorDefect::Open
+            | SensorDefect::Saturated
+            | SensorDefect::SaturatedLow
+            | SensorDefect::Frozen
+            | SensorDefect::Reversed
+            | SensorDefect::Swapped => (vec![], false),
         }
     }
 
@@ -210,12 +211,12 @@ impl SensorFault {
                 "{key} goes with another fault; this one ({name}) takes {list}"
             )));
         }
-        if self.at.is_some() && self.fault != Fault::Intermittent {
+        if self.at.is_some() && self.fault != SensorDefect::Intermittent {
             return Err(UserError::new(
                 "at goes with fault = \"intermittent\" alone; leave it out",
             ));
         }
-        if self.fault == Fault::Swapped && self.sensor != Which::Displacements {
+        if self.fault == SensorDefect::Swapped && self.sensor != Which::Displacements {
             return Err(UserError::new(
                 "fault = \"swapped\" goes with sensor = \"displacements\"",
             ));
@@ -230,36 +231,40 @@ impl SensorFault {
 
     /// The defect of each sensor, in the order of their codes.
     pub(super) fn defects(&self) -> [Option<Defect>; 3] {
-        Sensor::ALL.map(|sensor| self.sensor.has(sensor).then(|| self.defect(sensor)))
+        EmulatedSensor::ALL.map(|sensor| self.sensor.has(sensor).then(|| self.defect(sensor)))
     }
 
-    fn defect(&self, sensor: Sensor) -> Defect {
+    fn defect(&self, sensor: EmulatedSensor) -> Defect {
         let of = |[newtons, micrometres]: [Option<f64>; 2]| match sensor {
-            Sensor::Force => newtons,
+            EmulatedSensor::Force => newtons,
             _ => micrometres.map(|um| 1e-6 * um),
         };
         let times = self.times.unwrap_or(1.0);
         match self.fault {
-            Fault::Open => Defect::Open,
-            Fault::Saturated => Defect::Saturated,
-            Fault::SaturatedLow => Defect::SaturatedLow,
-            Fault::Frozen => Defect::Frozen,
-            Fault::Gain => Defect::Gain(times),
-            Fault::Supply => Defect::Supply(times),
-            Fault::GainDrift => Defect::GainDrift(0.01 * self.percent_per_s.unwrap_or(0.0)),
-            Fault::Reversed => Defect::Reversed,
-            Fault::Swapped => Defect::Swapped,
-            Fault::Offset => Defect::Offset(of([self.offset_n, self.offset_um]).unwrap_or(0.0)),
-            Fault::OffsetDrift => {
+            SensorDefect::Open => Defect::Open,
+            SensorDefect::Saturated => Defect::Saturated,
+            SensorDefect::SaturatedLow => Defect::SaturatedLow,
+            SensorDefect::Frozen => Defect::Frozen,
+            SensorDefect::Gain => Defect::Gain(times),
+            SensorDefect::Supply => Defect::Supply(times),
+            SensorDefect::GainDrift => Defect::GainDrift(0.01 * self.percent_per_s.unwrap_or(0.0)),
+            SensorDefect::Reversed => Defect::Reversed,
+            SensorDefect::Swapped => Defect::Swapped,
+            SensorDefect::Offset => {
+                Defect::Offset(of([self.offset_n, self.offset_um]).unwrap_or(0.0))
+            }
+            SensorDefect::OffsetDrift => {
                 Defect::OffsetDrift(of([self.drift_n_per_s, self.drift_um_per_s]).unwrap_or(0.0))
             }
-            Fault::Dead => Defect::Dead(of([self.noise_n, self.noise_um])),
-            Fault::Delayed => {
+            SensorDefect::Dead => Defect::Dead(of([self.noise_n, self.noise_um])),
+            SensorDefect::Delayed => {
                 let ticks = 1e-3 * self.delay_ms.unwrap_or(0.0) / TICK_S;
                 Defect::Delayed(ticks.round() as u32)
             }
-            Fault::DelayDrift => Defect::DelayDrift(1e-3 * self.delay_ms_per_s.unwrap_or(0.0)),
-            Fault::Intermittent => Defect::Intermittent {
+            SensorDefect::DelayDrift => {
+                Defect::DelayDrift(1e-3 * self.delay_ms_per_s.unwrap_or(0.0))
+            }
+            SensorDefect::Intermittent => Defect::Intermittent {
                 at: self.at.unwrap_or_default(),
                 ticks: self.ticks.unwrap_or(1),
                 of: self.of.unwrap_or(1),
@@ -282,31 +287,34 @@ impl SensorFault {
             all.join(", ")
         };
         let what = match self.fault {
-            Fault::Gain => format!("reads {} times too large", number(self.times)),
-            Fault::Supply => format!("has {} times its supply", number(self.times)),
-            Fault::GainDrift => {
+            SensorDefect::Gain => format!("reads {} times too large", number(self.times)),
+            SensorDefect::Supply => format!("has {} times its supply", number(self.times)),
+            SensorDefect::GainDrift => {
                 format!("reads {} % more each second", number(self.percent_per_s))
             }
-            Fault::Reversed => "reads with its sign reversed".to_owned(),
-            Fault::Swapped => "exchanged with one another".to_owned(),
-            Fault::Offset => format!("is off by {}", both([self.offset_n, self.offset_um], "")),
-            Fault::OffsetDrift => format!(
+            SensorDefect::Reversed => "reads with its sign reversed".to_owned(),
+            SensorDefect::Swapped => "exchanged with one another".to_owned(),
+            SensorDefect::Offset => {
+                format!("is off by {}", both([self.offset_n, self.offset_um], ""))
+            }
+            SensorDefect::OffsetDrift => format!(
                 "drifts by {}",
                 both([self.drift_n_per_s, self.drift_um_per_s], "/s")
             ),
-            Fault::Dead => "is dead but noisy".to_owned(),
-            Fault::Delayed => format!("is {} ms late", number(self.delay_ms)),
-            Fault::DelayDrift => {
+            SensorDefect::Dead => "is dead but noisy".to_owned(),
+            SensorDefect::Delayed => format!("is {} ms late", number(self.delay_ms)),
+            SensorDefect::DelayDrift => {
                 format!("is {} ms later each second", number(self.delay_ms_per_s))
             }
-            Fault::Intermittent => {
+            SensorDefect::Intermittent => {
                 let at = format!("{:?}", self.at.unwrap_or_default()).to_lowercase();
                 let (ticks, of) = (self.ticks.unwrap_or(1), self.of.unwrap_or(1));
                 format!("is {at} in {ticks} ticks of {of}")
             }
-            Fault::Open | Fault::Saturated | Fault::SaturatedLow | Fault::Frozen => {
-                format!("{:?}", self.fault).to_lowercase()
-            }
+            SensorDefect::Open
+            | SensorDefect::Saturated
+            | SensorDefect::SaturatedLow
+            | SensorDefect::Frozen => format!("{:?}", self.fault).to_lowercase(),
         };
         format!("{who} {what}")
     }

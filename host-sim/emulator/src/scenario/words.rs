@@ -1,16 +1,18 @@
 //! Events in words.
 
-use super::event::{Act, Mode, Stuck};
+use super::event::{ScenarioAct, StartMode, Stuck};
 
-impl Act {
+impl ScenarioAct {
     /// In words, for the timeline.
     pub fn text(&self) -> String {
         let for_so_long = |s: Option<f64>| s.map_or(String::new(), |s| format!(" for {s} s"));
         match self {
             Self::Start {
-                mode: Mode::Automatic,
+                mode: StartMode::Automatic,
             } => "start".into(),
-            Self::Start { mode: Mode::Manual } => "start by hand".into(),
+            Self::Start {
+                mode: StartMode::Manual,
+            } => "start by hand".into(),
             Self::Stop {} => "stop".into(),
             Self::ClearFault {} => "clear fault".into(),
             Self::Acknowledge {} => "acknowledge".into(),

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use serde::Deserialize;
 use shared::io::{ADC_FULL_SCALE, AdcCode, Channel};
 
-use super::Errors;
+use super::SensorErrors;
 
 /// What the conditioners give at the rails, as codes: past `LOW_RAIL` and `HIGH_RAIL`, short of an open wire.
 const RAILS: (f64, f64) = (100.0, 3995.0);
@@ -13,7 +13,7 @@ const RAILS: (f64, f64) = (100.0, 3995.0);
 /// Where a bad contact pulls the signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum End {
+pub enum BadContactEnd {
     /// As an open wire does: code 0.
     #[default]
     Open,
@@ -23,7 +23,7 @@ pub enum End {
     Low,
 }
 
-impl End {
+impl BadContactEnd {
     fn code(self) -> AdcCode {
         match self {
             Self::Open => AdcCode(0),
@@ -67,7 +67,7 @@ pub enum Defect {
     /// A bad contact: so many ticks of each so many, the signal is at an end.
     Intermittent {
         /// Where.
-        at: End,
+        at: BadContactEnd,
         /// Ticks.
         ticks: u32,
         /// Of so many.
@@ -130,16 +130,16 @@ impl Active {
 
 /// One channel from value to code.
 #[derive(Clone, Debug)]
-pub(super) struct Line {
+pub(super) struct SensorLine {
     believed: Channel,
-    errors: Errors,
+    errors: SensorErrors,
     defects: Vec<Active>,
     tick_s: f64,
     code: AdcCode,
 }
 
-impl Line {
-    pub(super) fn new(believed: Channel, errors: Errors, tick_s: f64) -> Self {
+impl SensorLine {
+    pub(super) fn new(believed: Channel, errors: SensorErrors, tick_s: f64) -> Self {
         Self {
             believed,
             errors,
@@ -173,7 +173,7 @@ impl Line {
     /// Reads `value` disturbed by `noise` standard deviations.
     #[inline]
     pub(super) fn read(&mut self, value: f64, noise: f64) -> AdcCode {
-        let Errors {
+        let SensorErrors {
             offset,
             gain_error,
             noise: deviation,
@@ -193,9 +193,9 @@ impl Line {
                 Defect::Dead(Some(noise)) => deviation = noise,
                 Defect::Supply(times) => supply *= times,
                 Defect::Frozen => held = Some(self.code),
-                Defect::Open => held = Some(End::Open.code()),
-                Defect::Saturated => held = Some(End::High.code()),
-                Defect::SaturatedLow => held = Some(End::Low.code()),
+                Defect::Open => held = Some(BadContactEnd::Open.code()),
+                Defect::Saturated => held = Some(BadContactEnd::High.code()),
+                Defect::SaturatedLow => held = Some(BadContactEnd::Low.code()),
                 Defect::Intermittent { at, ticks, of }
                     if age % u64::from(of) < u64::from(ticks) =>
                 {

@@ -16,7 +16,7 @@ use shared::model::params::RigParams;
 use super::{Believed, START_S, Trial, each, quantile};
 use crate::local::Local;
 use crate::optimum::two_bodies_at;
-use crate::record::{BlockRow, Event, EventKind, Observer};
+use crate::record::{BlockRow, RunEvent, RunEventKind, RunObserver};
 use crate::rig_path::Moment;
 use crate::run::Run;
 use crate::scenario::{Scenario, parse};
@@ -237,7 +237,7 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl RunObserver for Watch {
     fn block(&mut self, row: &BlockRow) {
         let holds = row.status.state == State::Hold;
         // What comes after a trip is no part of the trial.
@@ -247,8 +247,8 @@ impl Observer for Watch {
         }
     }
 
-    fn event(&mut self, event: &Event) {
-        self.tripped |= matches!(event.what, EventKind::Fault { .. });
+    fn event(&mut self, event: &RunEvent) {
+        self.tripped |= matches!(event.what, RunEventKind::Fault { .. });
     }
 }
 

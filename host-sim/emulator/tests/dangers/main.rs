@@ -1,7 +1,7 @@
 //! The controller against lying sensors and odd shakers, judged by what the plant truly did.
 
 use emulator::local::Local;
-use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
+use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ struct Truth {
     verbose: bool,
 }
 
-impl Observer for Truth {
+impl RunObserver for Truth {
     fn tick(&mut self, row: &TickRow) {
         self.on = row.output.enable;
         if self.on {
@@ -46,7 +46,7 @@ impl Observer for Truth {
             self.last_on_s = row.tick as f64 / 20_000.0;
         }
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &TrueContact) {
         if self.on {
             self.force_n = self.force_n.max(contact.peak_force_n);
             let second = contact.onset_s as usize;
@@ -63,11 +63,11 @@ impl Observer for Truth {
             self.hold_s = Some(row.tick as f64 / 20_000.0);
         }
     }
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RunEvent) {
         if self.verbose {
             println!("{:8.3} {:?}", event.time_s, event.what);
         }
-        if let EventKind::Fault { fault, .. } = event.what {
+        if let RunEventKind::Fault { fault, .. } = event.what {
             self.faults.push((fault, event.time_s));
         }
     }

@@ -5,20 +5,20 @@ use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result};
 
-use super::{Field, Kind};
+use super::{ColumnField, ColumnKind};
 
 /// Values of one kind, without the rows that lack one.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// [`Kind::Flag`].
+pub enum ColumnValues {
+    /// [`ColumnKind::Flag`].
     Flag(Vec<bool>),
-    /// [`Kind::Int`].
+    /// [`ColumnKind::Int`].
     Int(Vec<i32>),
-    /// [`Kind::Long`].
+    /// [`ColumnKind::Long`].
     Long(Vec<i64>),
-    /// [`Kind::Float`].
+    /// [`ColumnKind::Float`].
     Float(Vec<f32>),
-    /// [`Kind::Text`] and [`Kind::Bytes`].
+    /// [`ColumnKind::Text`] and [`ColumnKind::Bytes`].
     Bytes(Vec<ByteArray>),
 }
 
@@ -26,23 +26,23 @@ pub enum Values {
 macro_rules! each {
     ($values:expr, $all:ident => $done:expr) => {
         match $values {
-            Values::Flag($all) => $done,
-            Values::Int($all) => $done,
-            Values::Long($all) => $done,
-            Values::Float($all) => $done,
-            Values::Bytes($all) => $done,
+            ColumnValues::Flag($all) => $done,
+            ColumnValues::Int($all) => $done,
+            ColumnValues::Long($all) => $done,
+            ColumnValues::Float($all) => $done,
+            ColumnValues::Bytes($all) => $done,
         }
     };
 }
 
-impl Values {
-    fn new(kind: Kind) -> Self {
+impl ColumnValues {
+    fn new(kind: ColumnKind) -> Self {
         match kind {
-            Kind::Flag => Self::Flag(Vec::new()),
-            Kind::Int => Self::Int(Vec::new()),
-            Kind::Long => Self::Long(Vec::new()),
-            Kind::Float => Self::Float(Vec::new()),
-            Kind::Text | Kind::Bytes => Self::Bytes(Vec::new()),
+            ColumnKind::Flag => Self::Flag(Vec::new()),
+            ColumnKind::Int => Self::Int(Vec::new()),
+            ColumnKind::Long => Self::Long(Vec::new()),
+            ColumnKind::Float => Self::Float(Vec::new()),
+            ColumnKind::Text | ColumnKind::Bytes => Self::Bytes(Vec::new()),
         }
     }
 
@@ -59,31 +59,31 @@ impl Values {
 
 /// A value on its way into a column.
 #[derive(Clone, Copy, Debug)]
-pub enum Value<'a> {
-    /// For [`Kind::Flag`].
+pub enum ColumnValue<'a> {
+    /// For [`ColumnKind::Flag`].
     Flag(bool),
-    /// For [`Kind::Int`].
+    /// For [`ColumnKind::Int`].
     Int(i32),
-    /// For [`Kind::Long`].
+    /// For [`ColumnKind::Long`].
     Long(i64),
-    /// For [`Kind::Float`].
+    /// For [`ColumnKind::Float`].
     Float(f32),
-    /// For [`Kind::Text`].
+    /// For [`ColumnKind::Text`].
     Text(&'a str),
-    /// For [`Kind::Bytes`].
+    /// For [`ColumnKind::Bytes`].
     Bytes(&'a [u8]),
 }
 
-impl Value<'_> {
+impl ColumnValue<'_> {
     /// The kind of column it belongs in.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ColumnKind {
         match self {
-            Self::Flag(_) => Kind::Flag,
-            Self::Int(_) => Kind::Int,
-            Self::Long(_) => Kind::Long,
-            Self::Float(_) => Kind::Float,
-            Self::Text(_) => Kind::Text,
-            Self::Bytes(_) => Kind::Bytes,
+            Self::Flag(_) => ColumnKind::Flag,
+            Self::Int(_) => ColumnKind::Int,
+            Self::Long(_) => ColumnKind::Long,
+            Self::Float(_) => ColumnKind::Float,
+            Self::Text(_) => ColumnKind::Text,
+            Self::Bytes(_) => ColumnKind::Bytes,
         }
     }
 }
@@ -95,26 +95,26 @@ pub struct WrongKind;
 /// A column for the rows of one row group.
 #[derive(Clone, Debug)]
 pub struct Column {
-    kind: Kind,
+    kind: ColumnKind,
     optional: bool,
-    values: Values,
+    values: ColumnValues,
     /// 1 for each row that has a value, 0 for each that lacks it.
     present: Vec<i16>,
 }
 
 impl Column {
     /// A column of `field` without rows.
-    pub fn new(field: &Field) -> Self {
+    pub fn new(field: &ColumnField) -> Self {
         Self {
             kind: field.kind,
             optional: field.optional,
-            values: Values::new(field.kind),
+            values: ColumnValues::new(field.kind),
             present: Vec::new(),
         }
     }
 
     /// What it holds.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ColumnKind {
         self.kind
     }
 
@@ -124,7 +124,7 @@ impl Column {
     }
 
     /// The values, without the rows that lack one.
-    pub fn values(&self) -> &Values {
+    pub fn values(&self) -> &ColumnValues {
         &self.values
     }
 
@@ -142,7 +142,7 @@ impl Column {
     ///
     /// # Errors
     /// The value is of another kind, or absent where there must be one; nothing is appended then.
-    pub fn push(&mut self, value: Option<Value>) -> std::result::Result<(), WrongKind> {
+    pub fn push(&mut self, value: Option<ColumnValue>) -> std::result::Result<(), WrongKind> {
         let Some(value) = value else {
             return self.absent(1);
         };
@@ -150,12 +150,12 @@ impl Column {
             return Err(WrongKind);
         }
         match (&mut self.values, value) {
-            (Values::Flag(all), Value::Flag(one)) => all.push(one),
-            (Values::Int(all), Value::Int(one)) => all.push(one),
-            (Values::Long(all), Value::Long(one)) => all.push(one),
-            (Values::Float(all), Value::Float(one)) => all.push(one),
-            (Values::Bytes(all), Value::Text(one)) => push_bytes(all, one.as_bytes()),
-            (Values::Bytes(all), Value::Bytes(one)) => push_bytes(all, one),
+            (ColumnValues::Flag(all), ColumnValue::Flag(one)) => all.push(one),
+            (ColumnValues::Int(all), ColumnValue::Int(one)) => all.push(one),
+            (ColumnValues::Long(all), ColumnValue::Long(one)) => all.push(one),
+            (ColumnValues::Float(all), ColumnValue::Float(one)) => all.push(one),
+            (ColumnValues::Bytes(all), ColumnValue::Text(one)) => push_bytes(all, one.as_bytes()),
+            (ColumnValues::Bytes(all), ColumnValue::Bytes(one)) => push_bytes(all, one),
             _ => return Err(WrongKind),
         }
         self.present.push(1);
@@ -184,18 +184,20 @@ impl Column {
         use ColumnWriter as W;
         let levels = self.optional.then_some(self.present.as_slice());
         match (writer, &self.values) {
-            (W::BoolColumnWriter(w), Values::Flag(all)) => w.write_batch(all, levels, None),
-            (W::Int32ColumnWriter(w), Values::Int(all)) => w.write_batch(all, levels, None),
-            (W::Int64ColumnWriter(w), Values::Long(all)) => w.write_batch(all, levels, None),
-            (W::FloatColumnWriter(w), Values::Float(all)) => w.write_batch(all, levels, None),
-            (W::ByteArrayColumnWriter(w), Values::Bytes(all)) => w.write_batch(all, levels, None),
+            (W::BoolColumnWriter(w), ColumnValues::Flag(all)) => w.write_batch(all, levels, None),
+            (W::Int32ColumnWriter(w), ColumnValues::Int(all)) => w.write_batch(all, levels, None),
+            (W::Int64ColumnWriter(w), ColumnValues::Long(all)) => w.write_batch(all, levels, None),
+            (W::FloatColumnWriter(w), ColumnValues::Float(all)) => w.write_batch(all, levels, None),
+            (W::ByteArrayColumnWriter(w), ColumnValues::Bytes(all)) => {
+                w.write_batch(all, levels, None)
+            }
             _ => return Err(ParquetError::General("a column of another kind".into())),
         }
         .map(drop)
     }
 
     /// Reads `rows` rows of `field`.
-    pub(super) fn read(field: &Field, reader: ColumnReader, rows: usize) -> Result<Self> {
+    pub(super) fn read(field: &ColumnField, reader: ColumnReader, rows: usize) -> Result<Self> {
         use ColumnReader as R;
         let mut column = Self::new(field);
         let levels = field.optional.then_some(&mut column.present);
@@ -207,11 +209,11 @@ impl Column {
             }};
         }
         let records = match (reader, &mut column.values) {
-            (R::BoolColumnReader(r), Values::Flag(v)) => all!(r, v),
-            (R::Int32ColumnReader(r), Values::Int(v)) => all!(r, v),
-            (R::Int64ColumnReader(r), Values::Long(v)) => all!(r, v),
-            (R::FloatColumnReader(r), Values::Float(v)) => all!(r, v),
-            (R::ByteArrayColumnReader(r), Values::Bytes(v)) => all!(r, v),
+            (R::BoolColumnReader(r), ColumnValues::Flag(v)) => all!(r, v),
+            (R::Int32ColumnReader(r), ColumnValues::Int(v)) => all!(r, v),
+            (R::Int64ColumnReader(r), ColumnValues::Long(v)) => all!(r, v),
+            (R::FloatColumnReader(r), ColumnValues::Float(v)) => all!(r, v),
+            (R::ByteArrayColumnReader(r), ColumnValues::Bytes(v)) => all!(r, v),
             _ => return Err(ParquetError::General("a column of another kind".into())),
         };
         if !field.optional {

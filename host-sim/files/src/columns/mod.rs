@@ -1,7 +1,7 @@
 //! Columns of values as a Parquet file: what the log of a run stands on.
 //!
-//! A [`Field`] is the name, kind and packing of a column; a [`Column`] holds its values for the rows of one row
-//! group. [`Writer`] writes row groups one after another, so a file may be larger than the memory; [`Reader`] gives
+//! A [`ColumnField`] is the name, kind and packing of a column; a [`Column`] holds its values for the rows of one row
+//! group. [`ParquetWriter`] writes row groups one after another, so a file may be larger than the memory; [`ParquetReader`] gives
 //! them back and answers damage with an error, never with a panic. Every byte is under a check sum.
 
 mod check;
@@ -11,11 +11,11 @@ mod reader;
 mod tests;
 mod writer;
 
-pub use column::{Column, Value, Values, WrongKind};
+pub use column::{Column, ColumnValue, ColumnValues, WrongKind};
 pub use parquet::data_type::ByteArray;
 pub use parquet::errors::ParquetError as Error;
-pub use reader::Reader;
-pub use writer::Writer;
+pub use reader::ParquetReader;
+pub use writer::ParquetWriter;
 
 use std::borrow::Cow;
 
@@ -24,7 +24,7 @@ pub const PROGRAM: &str = concat!("host-sim ", env!("CARGO_PKG_VERSION"));
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ColumnKind {
     /// BOOLEAN.
     Flag,
     /// INT32.
@@ -52,11 +52,11 @@ pub enum Packing {
 
 /// A column of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct ColumnField {
     /// Its name, with the unit.
     pub name: Cow<'static, str>,
     /// What it holds.
-    pub kind: Kind,
+    pub kind: ColumnKind,
     /// Whether a row may lack a value.
     pub optional: bool,
     /// How it is packed.

@@ -9,7 +9,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::check::{Checks, KEY};
 use super::writer::physical;
-use super::{Column, Field};
+use super::{Column, ColumnField};
 use crate::quiet;
 
 /// Most rows of a row group: twenty times what a log has. A damaged count must not ask for all memory.
@@ -19,7 +19,7 @@ const MOST_ROWS: i64 = 1 << 22;
 const MOST_BYTES: i64 = 1 << 30;
 
 /// Reads a Parquet file.
-pub struct Reader {
+pub struct ParquetReader {
     file: SerializedFileReader<File>,
     /// The same file, for its check sums.
     raw: File,
@@ -27,7 +27,7 @@ pub struct Reader {
     bytes: u64,
 }
 
-impl Reader {
+impl ParquetReader {
     /// Reads the footer of `file`.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl Reader {
     }
 
     /// Whether the columns are those of `fields`: the same names and kinds in the same order.
-    pub fn has(&self, fields: &[Field]) -> bool {
+    pub fn has(&self, fields: &[ColumnField]) -> bool {
         let columns = self.file.metadata().file_metadata().schema_descr();
         columns.num_columns() == fields.len()
             && columns.columns().iter().zip(fields).all(|(column, field)| {
@@ -123,7 +123,7 @@ impl Reader {
     ///
     /// # Errors
     /// The group is damaged.
-    pub fn group(&self, index: usize, fields: &[Field]) -> Result<Vec<Column>> {
+    pub fn group(&self, index: usize, fields: &[ColumnField]) -> Result<Vec<Column>> {
         if let Some(checks) = &self.checks {
             let damaged =
                 || ParquetError::General("its bytes are not those that were written".into());
@@ -141,7 +141,7 @@ impl Reader {
     }
 
     /// Whether what the footer says of a group can be; how many rows it has.
-    fn check(&self, group: &RowGroupMetaData, fields: &[Field]) -> Result<usize> {
+    fn check(&self, group: &RowGroupMetaData, fields: &[ColumnField]) -> Result<usize> {
         let damaged = |what: &str| ParquetError::General(what.to_owned());
         let rows = group.num_rows();
         if !(0..=MOST_ROWS).contains(&rows) || group.num_columns() != fields.len() {

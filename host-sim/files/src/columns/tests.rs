@@ -3,8 +3,8 @@ use std::io::Write;
 
 use super::*;
 
-fn field(name: &'static str, kind: Kind, optional: bool, packing: Packing) -> Field {
-    Field {
+fn field(name: &'static str, kind: ColumnKind, optional: bool, packing: Packing) -> ColumnField {
+    ColumnField {
         name: name.into(),
         kind,
         optional,
@@ -12,8 +12,8 @@ fn field(name: &'static str, kind: Kind, optional: bool, packing: Packing) -> Fi
     }
 }
 
-fn fields() -> Vec<Field> {
-    use {Kind as K, Packing as P};
+fn fields() -> Vec<ColumnField> {
+    use {ColumnKind as K, Packing as P};
     vec![
         field("flag", K::Flag, false, P::Dictionary),
         field("int", K::Int, false, P::Differences),
@@ -31,12 +31,12 @@ fn group(from: i32, to: i32) -> Vec<Column> {
         let there = i % 3 != 0;
         let text = format!("row {}", i / 2);
         let values = [
-            Some(Value::Flag(i % 2 == 0)),
-            Some(Value::Int(-i)),
-            there.then_some(Value::Long(i64::from(i) << 40)),
-            there.then_some(Value::Float(i as f32 / 7.0)),
-            there.then_some(Value::Text(&text)),
-            Some(Value::Bytes(&[0, 255, i as u8])),
+            Some(ColumnValue::Flag(i % 2 == 0)),
+            Some(ColumnValue::Int(-i)),
+            there.then_some(ColumnValue::Long(i64::from(i) << 40)),
+            there.then_some(ColumnValue::Float(i as f32 / 7.0)),
+            there.then_some(ColumnValue::Text(&text)),
+            Some(ColumnValue::Bytes(&[0, 255, i as u8])),
         ];
         for (column, value) in columns.iter_mut().zip(values) {
             column.push(value).unwrap();
@@ -47,17 +47,17 @@ fn group(from: i32, to: i32) -> Vec<Column> {
 
 fn file(groups: &[(i32, i32)]) -> Vec<u8> {
     let pairs = vec![("format".to_owned(), "a test".to_owned())];
-    let mut writer = Writer::new(Vec::new(), "test", &fields(), pairs).unwrap();
+    let mut writer = ParquetWriter::new(Vec::new(), "test", &fields(), pairs).unwrap();
     for (from, to) in groups {
         writer.group(&group(*from, *to)).unwrap();
     }
     writer.finish().unwrap()
 }
 
-fn open(bytes: &[u8]) -> Result<Reader, Error> {
+fn open(bytes: &[u8]) -> Result<ParquetReader, Error> {
     let mut file: File = tempfile::tempfile().unwrap();
     file.write_all(bytes).unwrap();
-    Reader::open(file)
+    ParquetReader::open(file)
 }
 
 #[test]
@@ -81,21 +81,21 @@ fn what_is_written_is_read_again_group_by_group() {
 #[test]
 fn other_columns_are_told_apart() {
     let reader = open(&file(&[(0, 3)])).unwrap();
-    let changed = |change: fn(&mut Vec<Field>)| {
+    let changed = |change: fn(&mut Vec<ColumnField>)| {
         let mut fields = fields();
         change(&mut fields);
         reader.has(&fields)
     };
     assert!(!changed(|fields| drop(fields.pop())));
     assert!(!changed(|fields| fields[2].name = "length".into()));
-    assert!(!changed(|fields| fields[2].kind = Kind::Int));
+    assert!(!changed(|fields| fields[2].kind = ColumnKind::Int));
     assert!(!changed(|fields| fields[2].optional = false));
 }
 
 #[test]
 fn a_value_of_another_kind_or_none_where_there_must_be_one_is_refused() {
     let mut column = Column::new(&fields()[1]);
-    assert_eq!(column.push(Some(Value::Long(1))), Err(WrongKind));
+    assert_eq!(column.push(Some(ColumnValue::Long(1))), Err(WrongKind));
     assert_eq!(column.push(None), Err(WrongKind));
     assert_eq!(column.rows(), 0);
 }

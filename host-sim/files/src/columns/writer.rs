@@ -11,15 +11,15 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnPath, Type};
 
 use super::check::{KEY, Summed};
-use super::{Column, Field, Kind, PROGRAM, Packing};
+use super::{Column, ColumnField, ColumnKind, PROGRAM, Packing};
 
 /// Writes a Parquet file, one row group after another, with a check sum over every byte. The same values give the same
 /// bytes.
-pub struct Writer<W: Write + Send> {
+pub struct ParquetWriter<W: Write + Send> {
     file: SerializedFileWriter<Summed<W>>,
 }
 
-impl<W: Write + Send> Writer<W> {
+impl<W: Write + Send> ParquetWriter<W> {
     /// Begins a file in `sink`: the schema's name, the columns, and keys with values that stand in its footer.
     ///
     /// # Errors
@@ -27,7 +27,7 @@ impl<W: Write + Send> Writer<W> {
     pub fn new(
         sink: W,
         schema: &str,
-        fields: &[Field],
+        fields: &[ColumnField],
         pairs: Vec<(String, String)>,
     ) -> Result<Self> {
         let columns = fields.iter().map(|field| column_type(field).map(Arc::new));
@@ -70,19 +70,19 @@ impl<W: Write + Send> Writer<W> {
     }
 }
 
-pub(super) fn physical(kind: Kind) -> Physical {
+pub(super) fn physical(kind: ColumnKind) -> Physical {
     match kind {
-        Kind::Flag => Physical::BOOLEAN,
-        Kind::Int => Physical::INT32,
-        Kind::Long => Physical::INT64,
-        Kind::Float => Physical::FLOAT,
-        Kind::Text | Kind::Bytes => Physical::BYTE_ARRAY,
+        ColumnKind::Flag => Physical::BOOLEAN,
+        ColumnKind::Int => Physical::INT32,
+        ColumnKind::Long => Physical::INT64,
+        ColumnKind::Float => Physical::FLOAT,
+        ColumnKind::Text | ColumnKind::Bytes => Physical::BYTE_ARRAY,
     }
 }
 
-fn column_type(field: &Field) -> Result<Type> {
+fn column_type(field: &ColumnField) -> Result<Type> {
     Type::primitive_type_builder(&field.name, physical(field.kind))
-        .with_logical_type((field.kind == Kind::Text).then_some(LogicalType::String))
+        .with_logical_type((field.kind == ColumnKind::Text).then_some(LogicalType::String))
         .with_repetition(if field.optional {
             Repetition::OPTIONAL
         } else {
@@ -91,7 +91,7 @@ fn column_type(field: &Field) -> Result<Type> {
         .build()
 }
 
-fn properties(fields: &[Field], pairs: Vec<(String, String)>) -> WriterProperties {
+fn properties(fields: &[ColumnField], pairs: Vec<(String, String)>) -> WriterProperties {
     let pairs: Vec<_> = pairs
         .into_iter()
         .map(|(key, value)| KeyValue::new(key, value))

@@ -41,7 +41,7 @@ pub struct MadeFrom {
     /// The rigs, with every parameter.
     pub rigs: Vec<RigUsed>,
     /// The files that were read.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<InputFile>,
     /// Whether the command has `--cart`: its tables say how the cart is moved.
     #[serde(skip)]
     pub has_cart: bool,
@@ -65,7 +65,7 @@ pub struct RigUsed {
 
 /// A file that was read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Input {
+pub struct InputFile {
     /// Its path as it was given.
     pub file: String,
     /// Its length.
@@ -113,7 +113,7 @@ impl From<&NamedRig> for RigUsed {
     }
 }
 
-impl Input {
+impl InputFile {
     /// The file at `path`, if there is one and it can be read.
     pub fn at(path: &str) -> Option<Self> {
         use std::io::Read;

@@ -21,10 +21,10 @@ use crate::{line_at, read_text};
 pub use doubts::doubts;
 use keys::NoRig;
 pub use keys::{KEYS, nearest};
-pub use table::Table;
+pub use table::RigTable;
 pub use table::as_number;
 use table::{PRESCRIBED, from_table, overlay, to_table};
-pub use uncertainty::{WIDTHS, Width};
+pub use uncertainty::{HalfWidth, WIDTHS};
 
 /// The rig called `name`, or in the TOML file of that path, with `settings` (`key=value`) on top.
 ///
@@ -77,7 +77,7 @@ fn set_over(
 ) -> Result<NamedRig, UserError> {
     if !settings.is_empty() {
         let mut table = to_table(&params);
-        let mut changes = Table::new();
+        let mut changes = RigTable::new();
         for setting in settings {
             let (key, value) = parse_setting(setting)?;
             changes.insert(key, value);
@@ -122,7 +122,7 @@ fn tidied(setting: &str) -> String {
 }
 
 /// Every parameter of a rig by its key.
-pub fn parameters_of(params: &RigParams) -> Table {
+pub fn parameters_of(params: &RigParams) -> RigTable {
     to_table(params)
 }
 
@@ -238,7 +238,7 @@ pub fn parse(text: &str, place: &str) -> Result<RigParams, UserError> {
 /// # Errors
 /// As [`parse`].
 pub fn parse_whole(text: &str, place: &str) -> Result<(RigParams, Stated), UserError> {
-    let mut changes: Table = toml::from_str(text).map_err(|e| {
+    let mut changes: RigTable = toml::from_str(text).map_err(|e| {
         let line = line_at(text, e.span().map_or(0, |span| span.start));
         let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
         let mend = comma_at(text, line);
@@ -270,7 +270,7 @@ fn line_of_key(text: &str, key: &str) -> Option<usize> {
 ///
 /// # Errors
 /// A key is unknown or missing, or a value out of range.
-pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
+pub fn from_keys(changes: RigTable, place: &str) -> Result<RigParams, UserError> {
     let rig = parameters(changes, |preset| preset).and_then(without_shaker);
     rig.map_err(|e| UserError::from(e).at(place))
 }
@@ -279,7 +279,7 @@ pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
 ///
 /// # Errors
 /// As [`from_keys`].
-pub fn believed_from_keys(changes: Table, place: &str) -> Result<(RigParams, bool), UserError> {
+pub fn believed_from_keys(changes: RigTable, place: &str) -> Result<(RigParams, bool), UserError> {
     let told = changes.contains_key("shaker_loop_hz");
     let rig = parameters(changes, |preset| preset);
     let rig = rig.map_err(|e| UserError::from(e).at(place))?;
@@ -287,9 +287,9 @@ pub fn believed_from_keys(changes: Table, place: &str) -> Result<(RigParams, boo
 }
 
 /// The rig of `changes`; `from` makes of a preset what they are laid over.
-fn parameters(mut changes: Table, from: fn(RigParams) -> RigParams) -> Result<RigParams, NoRig> {
+fn parameters(mut changes: RigTable, from: fn(RigParams) -> RigParams) -> Result<RigParams, NoRig> {
     let mut table = match changes.remove("preset") {
-        None => Table::new(),
+        None => RigTable::new(),
         Some(Value::String(name)) => {
             let params = preset(&name).ok_or_else(|| {
                 let hint = nearest(&name, PRESETS.iter().map(|(n, _)| *n));

@@ -17,13 +17,13 @@ use super::keys::{KEYS, NoRig, nearest};
 pub(super) const PRESCRIBED: &str = "prescribed";
 
 /// Keys and values of a rig.
-pub type Table = BTreeMap<String, Value>;
+pub type RigTable = BTreeMap<String, Value>;
 
 /// Lays `changes` over `base`: what one key decides for others follows it.
 ///
 /// # Errors
 /// A key or a law that does not exist.
-pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
+pub(super) fn overlay(base: &mut RigTable, changes: RigTable) -> Result<(), NoRig> {
     for key in changes.keys() {
         if !KEYS.iter().any(|(k, _)| k == key) {
             let hint = nearest(key, KEYS.iter().map(|(k, _)| *k));
@@ -63,7 +63,7 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
 }
 
 /// Every parameter of a rig.
-pub(super) fn to_table(params: &RigParams) -> Table {
+pub(super) fn to_table(params: &RigParams) -> RigTable {
     let numbers =
         Knob::all().filter_map(|knob| Some((knob.name(), Value::Float(knob.of(params)?))));
     let word = |text: &str| Value::String(text.into());
@@ -93,7 +93,7 @@ pub(super) fn to_table(params: &RigParams) -> Table {
 ///
 /// # Errors
 /// A key that is missing, out of place or out of range.
-pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
+pub(super) fn from_table(table: &RigTable) -> Result<RigParams, NoRig> {
     let mut left = table.clone();
     let mut params = RigParams {
         support: support_from(&mut left)?,
@@ -126,7 +126,7 @@ pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
     }
 }
 
-fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
+fn support_from(table: &mut RigTable) -> Result<SupportParams, NoRig> {
     let support = text(table, "support")?.to_owned();
     table.remove("support");
     match support.as_str() {
@@ -182,7 +182,7 @@ fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
 }
 
 /// The shaker, if its position loop is given; what is left out of it is the assumed one's, but a largest force.
-fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
+fn cart_from(table: &mut RigTable) -> Result<CartDrive, NoRig> {
     if table.get("shaker_loop_hz").and_then(Value::as_str) == Some(PRESCRIBED) {
         table.retain(|key, _| !key.starts_with("shaker_"));
         return Ok(CartDrive::Prescribed);
@@ -210,7 +210,7 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
     }))
 }
 
-fn law_from(table: &mut Table) -> Result<Law<f64>, NoRig> {
+fn law_from(table: &mut RigTable) -> Result<Law<f64>, NoRig> {
     let name = text(table, "contact_law")?.to_owned();
     table.remove("contact_law");
     let kind = LawKind::named(&name).ok_or_else(|| {
@@ -232,18 +232,18 @@ fn of_contact(contact: &Law<f64>) -> RigParams {
     RigParams { contact, ..WIRES }
 }
 
-fn text<'a>(table: &'a Table, key: &str) -> Result<&'a str, NoRig> {
+fn text<'a>(table: &'a RigTable, key: &str) -> Result<&'a str, NoRig> {
     let value = table.get(key).ok_or_else(|| missing(key))?;
     value
         .as_str()
         .ok_or_else(|| NoRig::new(key, format!("{key} is {value}, must be a word in quotes")))
 }
 
-fn take(table: &mut Table, key: &str) -> Result<f64, NoRig> {
+fn take(table: &mut RigTable, key: &str) -> Result<f64, NoRig> {
     optional(table, key)?.ok_or_else(|| missing(key))
 }
 
-fn optional(table: &mut Table, key: &str) -> Result<Option<f64>, NoRig> {
+fn optional(table: &mut RigTable, key: &str) -> Result<Option<f64>, NoRig> {
     table
         .remove(key)
         .map(|value| {

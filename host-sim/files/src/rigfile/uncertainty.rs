@@ -8,7 +8,7 @@ use super::table::as_number;
 use crate::UserError;
 
 /// A half-width that may be stated.
-pub struct Width {
+pub struct HalfWidth {
     /// Its key in a rig file; with dashes, the option of `pick`.
     pub key: &'static str,
     /// What it is the half-width of.
@@ -21,78 +21,78 @@ pub struct Width {
 }
 
 /// Every half-width, in the order of a file.
-pub const WIDTHS: [Width; 11] = [
-    Width {
+pub const WIDTHS: [HalfWidth; 11] = [
+    HalfWidth {
         key: "natural_frequency_percent",
         meaning: "natural frequency, % either way",
         at_least: 0.0,
         below: 50.0,
         of: |s| &mut s.natural_frequency_percent,
     },
-    Width {
+    HalfWidth {
         key: "amplitude_percent",
         meaning: "cart amplitude, % either way",
         at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.amplitude_percent,
     },
-    Width {
+    HalfWidth {
         key: "contact_stiffness_percent",
         meaning: "contact stiffness, % either way",
         at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.contact_stiffness_percent,
     },
-    Width {
+    HalfWidth {
         key: "contact_stiffness_factor",
         meaning: "contact stiffness, up to so many times as large or as small; instead of contact_stiffness_percent",
         at_least: 1.0,
         below: 1000.0,
         of: |s| &mut s.contact_stiffness_factor,
     },
-    Width {
+    HalfWidth {
         key: "contact_damping_percent",
         meaning: "contact damping, % either way",
         at_least: 0.0,
         below: 100.0,
         of: |s| &mut s.contact_damping_percent,
     },
-    Width {
+    HalfWidth {
         key: "contact_damping_ratio_percent",
         meaning: "contact's damping ratio, % either way: the damping goes with the stiffness; instead of contact_damping_percent",
         at_least: 0.0,
         below: 100.0,
         of: |s| &mut s.contact_damping_ratio_percent,
     },
-    Width {
+    HalfWidth {
         key: "gap_tolerance_mm",
         meaning: "gap, mm either way",
         at_least: 0.0,
         below: 10.0,
         of: |s| &mut s.gap_mm,
     },
-    Width {
+    HalfWidth {
         key: "mass_percent",
         meaning: "hammer mass, % either way",
         at_least: 0.0,
         below: 50.0,
         of: |s| &mut s.mass_percent,
     },
-    Width {
+    HalfWidth {
         key: "cart_mass_percent",
         meaning: "cart mass, % either way",
         at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.cart_mass_percent,
     },
-    Width {
+    HalfWidth {
         key: "shaker_loop_percent",
         meaning: "natural frequency of the shaker's loop, % either way",
         at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.shaker_loop_percent,
     },
-    Width {
+    HalfWidth {
         key: "shaker_damping_percent",
         meaning: "damping ratio of the shaker's loop, % either way",
         at_least: 0.0,
@@ -107,7 +107,7 @@ const ONE_OF: [[&str; 2]; 2] = [
     ["contact_damping_percent", "contact_damping_ratio_percent"],
 ];
 
-impl Width {
+impl HalfWidth {
     /// What `stated` has for it.
     pub fn get(&self, stated: &Stated) -> Option<f64> {
         *(self.of)(&mut stated.clone())

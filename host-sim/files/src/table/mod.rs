@@ -7,7 +7,7 @@ mod selection;
 use serde::Serialize;
 
 pub use self::dialect::{Plain, plain};
-pub use self::read::{Line, Measurements};
+pub use self::read::{Measurements, TableLine};
 pub use self::selection::Selection;
 
 /// Rows as CSV with a header line; none at all leave it empty.

@@ -18,7 +18,7 @@ pub struct Measurements {
 
 /// One line of a table: the fields asked for, and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct TableLine {
     /// Line in the file, counted from 1.
     pub number: usize,
     place: Arc<str>,
@@ -75,7 +75,7 @@ impl Measurements {
     pub fn lines<'a>(
         &'a self,
         columns: &[&'static str],
-    ) -> Result<impl Iterator<Item = Result<Line, UserError>> + use<'a>, UserError> {
+    ) -> Result<impl Iterator<Item = Result<TableLine, UserError>> + use<'a>, UserError> {
         let at = |name: &&'static str| {
             let found = self.columns.iter().position(|column| column == name);
             found.map(|at| (*name, at)).ok_or_else(|| {
@@ -101,7 +101,7 @@ impl Measurements {
                 let text = record.get(*at).unwrap_or("").trim();
                 (*name, text.to_owned())
             };
-            Ok(Line {
+            Ok(TableLine {
                 number: numbers.of(record.position()),
                 place: Arc::clone(&self.place),
                 fields: wanted.iter().map(field).collect(),
@@ -150,7 +150,7 @@ impl<'a> LineNumbers<'a> {
     }
 }
 
-impl Line {
+impl TableLine {
     /// The field of a column; empty if it was not asked for.
     pub fn text(&self, column: &str) -> &str {
         let found = self.fields.iter().find(|(name, _)| *name == column);
@@ -191,7 +191,7 @@ fn short(error: &csv::Error) -> String {
 mod tests {
     use super::*;
 
-    fn lines(text: &str, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
+    fn lines(text: &str, columns: &[&'static str]) -> Result<Vec<TableLine>, UserError> {
         let table = Measurements::new("m.csv", text.to_owned()).unwrap();
         table.lines(columns)?.collect()
     }

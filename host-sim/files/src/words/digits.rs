@@ -1,6 +1,6 @@
 //! Digits for a person: those that the uncertainty leaves. Tables and JSON have all of them.
 
-use numerics::pick::Answer;
+use numerics::pick::PickAnswer;
 pub use numerics::row::significant;
 
 /// Decimals of the quantities of an answer.
@@ -29,7 +29,7 @@ const EXACT: Digits = Digits {
 
 impl Digits {
     /// Those of `answer`: down to the digit in which its uncertainty begins.
-    pub fn of(answer: &Answer) -> Self {
+    pub fn of(answer: &PickAnswer) -> Self {
         if answer.uncertainty.is_none() {
             return EXACT;
         }
@@ -60,7 +60,7 @@ impl Digits {
     }
 
     /// The frequency to run at: rounded, and with another digit where it would be rounded out of the safe band.
-    pub fn run_at(self, answer: &Answer) -> String {
+    pub fn run_at(self, answer: &PickAnswer) -> String {
         let hz = answer.operating_frequency_hz;
         let [low, high] = answer.safe_band_hz;
         let kept = |decimals: &usize| {
@@ -82,7 +82,7 @@ impl Digits {
     }
 
     /// The safe band, in as many digits as it takes for the frequency to run at to lie in it.
-    pub fn safe_band(self, answer: &Answer) -> String {
+    pub fn safe_band(self, answer: &PickAnswer) -> String {
         let hz = answer.operating_frequency_hz;
         let [low, high] = answer.safe_band_hz;
         let within = |frequency: &usize| {

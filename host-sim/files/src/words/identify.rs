@@ -1,20 +1,20 @@
 //! Sentences about a fit of contact parameters.
 
-use numerics::identify::{Fit, Warning};
+use numerics::identify::{IdentifiedFit, Warning};
 use serde::Serialize;
 
 /// A fit with its warnings in words, as JSON has it.
 #[derive(Serialize)]
-pub struct Worded<'a> {
+pub struct WordedFit<'a> {
     /// The fit.
     #[serde(flatten)]
-    pub fit: &'a Fit,
+    pub fit: &'a IdentifiedFit,
     /// Its warnings.
     pub warnings: Vec<String>,
 }
 
-impl<'a> From<&'a Fit> for Worded<'a> {
-    fn from(fit: &'a Fit) -> Self {
+impl<'a> From<&'a IdentifiedFit> for WordedFit<'a> {
+    fn from(fit: &'a IdentifiedFit) -> Self {
         Self {
             fit,
             warnings: fit.warnings.iter().map(warning).collect(),

@@ -3,19 +3,19 @@
 use super::digits::{Digits, significant};
 use numerics::CartModel;
 use numerics::limits::LimitUse;
-use numerics::pick::Answer;
+use numerics::pick::PickAnswer;
 use serde::Serialize;
 
 /// An answer with its sentence, as JSON has it.
 #[derive(Serialize)]
-pub struct Worded<'a> {
+pub struct WordedPick<'a> {
     #[serde(flatten)]
-    answer: &'a Answer,
+    answer: &'a PickAnswer,
     why: String,
 }
 
-impl<'a> From<&'a Answer> for Worded<'a> {
-    fn from(answer: &'a Answer) -> Self {
+impl<'a> From<&'a PickAnswer> for WordedPick<'a> {
+    fn from(answer: &'a PickAnswer) -> Self {
         Self {
             answer,
             why: why(answer),
@@ -40,14 +40,14 @@ pub fn rounded_mm(mm: f64) -> f64 {
 }
 
 /// The limit of the shaker that was asked for.
-pub fn shaker_limit(a: &Answer) -> Option<&LimitUse> {
+pub fn shaker_limit(a: &PickAnswer) -> Option<&LimitUse> {
     let told =
         |limit: &&LimitUse| of_shaker(limit) && (a.wanted_force_n.is_some() || !assumed(limit));
     a.limits.iter().find(told)
 }
 
 /// What the shaker would have to give, if it is more than it can.
-pub fn beyond(a: &Answer) -> Option<String> {
+pub fn beyond(a: &PickAnswer) -> Option<String> {
     let most = shaker_limit(a)?.limit?;
     let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
     let here = Digits::of(a).other(needed);
@@ -55,12 +55,12 @@ pub fn beyond(a: &Answer) -> Option<String> {
 }
 
 /// That the shaker cannot give it, and why, behind what it is asked for; empty where it can.
-pub fn cannot(a: &Answer) -> String {
+pub fn cannot(a: &PickAnswer) -> String {
     beyond(a).map_or(String::new(), |why| format!("; the shaker cannot: {why}"))
 }
 
 /// The stroke of the answer where it is not the rig's own, and whether the shaker can give it, as a sentence and a space.
-pub fn at_stroke(a: &Answer) -> String {
+pub fn at_stroke(a: &PickAnswer) -> String {
     if a.wanted_force_n.is_none() && !a.amplitude_lowered {
         return String::new();
     }
@@ -101,7 +101,7 @@ pub struct OtherCart {
 }
 
 /// What the other cart would give; none where it is not known.
-pub fn other_cart(answer: &Answer) -> Option<OtherCart> {
+pub fn other_cart(answer: &PickAnswer) -> Option<OtherCart> {
     let recoil = answer.recoil_force_ratio.zip(answer.recoil_frequency_hz);
     let prescribed = answer
         .prescribed_force_ratio
@@ -121,7 +121,7 @@ pub fn other_cart(answer: &Answer) -> Option<OtherCart> {
 }
 
 /// Why this frequency, in one sentence.
-pub fn why(answer: &Answer) -> String {
+pub fn why(answer: &PickAnswer) -> String {
     let digits = Digits::of(answer);
     let end = match answer.period_doubling_hz {
         Some(hz) => format!(
@@ -145,7 +145,7 @@ pub fn why(answer: &Answer) -> String {
     )
 }
 
-fn strongest_of(answer: &Answer) -> String {
+fn strongest_of(answer: &PickAnswer) -> String {
     let binding = answer.limits.iter().filter(|l| l.binds).map(|l| l.name);
     let binding: Vec<_> = binding.collect();
     if answer.amplitude_lowered && answer.wanted_force_n.is_none() {
@@ -171,7 +171,7 @@ fn strongest_of(answer: &Answer) -> String {
     }
 }
 
-fn jumps(answer: &Answer) -> String {
+fn jumps(answer: &PickAnswer) -> String {
     let Some([low, high]) = answer.jump_range_hz else {
         return "and nothing jumps".to_owned();
     };
@@ -186,7 +186,7 @@ fn jumps(answer: &Answer) -> String {
     )
 }
 
-fn from_rest(answer: &Answer) -> String {
+fn from_rest(answer: &PickAnswer) -> String {
     let missing = answer.corners - answer.corners_reaching_one_one_from_rest;
     if answer.regime_from_rest != answer.regime {
         format!(

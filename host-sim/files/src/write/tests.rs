@@ -233,21 +233,23 @@ fn a_disk_that_fails_at_any_step_leaves_the_old_file_and_nothing_else() {
         write_all(dir, &files).map(drop)
     });
     at_every_step(&["run.parquet"], |dir| {
-        use crate::columns::{Column, Field, Kind, Packing, Value, Writer};
+        use crate::columns::{
+            Column, ColumnField, ColumnKind, ColumnValue, Packing, ParquetWriter,
+        };
         let path = dir.join("run.parquet");
-        let field = Field {
+        let field = ColumnField {
             name: "tick".into(),
-            kind: Kind::Long,
+            kind: ColumnKind::Long,
             optional: false,
             packing: Packing::Differences,
         };
         let mut column = Column::new(&field);
         for tick in 0..10 {
-            column.push(Some(Value::Long(tick))).unwrap();
+            column.push(Some(ColumnValue::Long(tick))).unwrap();
         }
         let refused = |_| failed(&path, io::ErrorKind::StorageFull.into());
         let staged = Staged::new(&path)?;
-        let mut file = Writer::new(staged, "run", &[field], Vec::new()).map_err(refused)?;
+        let mut file = ParquetWriter::new(staged, "run", &[field], Vec::new()).map_err(refused)?;
         for _ in 0..3 {
             file.group([&column]).map_err(refused)?;
         }

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::Pool;
-use crate::reduce::Record;
-use crate::sustained::{Event, Side, Sustained};
-use crate::width::{Element, Width};
+use crate::reduce::StrobeRecord;
+use crate::sustained::{Sustained, SustainedEvent, SwitchSide};
+use crate::width::{Element, LaneWidth};
 
-impl<W: Width> Pool<'_, W> {
+impl<W: LaneWidth> Pool<'_, W> {
     /// A lane leaves its row for a sustained contact, which begins with an onset.
     pub(super) fn enter(&mut self, lane: usize) {
         let rows = &mut *self.rows;
@@ -20,7 +20,7 @@ impl<W: Width> Pool<'_, W> {
             v: rate,
             cart: rows.cart.each_ref().map(|row| row[lane].to_f64()),
             tau,
-            side: Side::Contact,
+            side: SwitchSide::Contact,
             peak: rows.peak[lane].to_f64(),
             onsets: rows.onsets[lane].to_f64() as u32 + 1,
             recent: [tau, recent[0], recent[1]],
@@ -39,9 +39,9 @@ impl<W: Width> Pool<'_, W> {
         };
         let constants = &self.jobs[job].constants;
         match contact.run(constants) {
-            Event::Lost => self.give_up(lane),
-            Event::Section => {
-                let record = Record {
+            SustainedEvent::Lost => self.give_up(lane),
+            SustainedEvent::Section => {
+                let record = StrobeRecord {
                     x: contact.x,
                     v: contact.v,
                     force: contact.peak as f32,
@@ -49,7 +49,7 @@ impl<W: Width> Pool<'_, W> {
                     touched: true,
                     chatter: contact.chatter,
                 };
-                held.carried = contact.side == Side::Contact;
+                held.carried = contact.side == SwitchSide::Contact;
                 contact.tau = 0.0;
                 contact.peak = 0.0;
                 contact.onsets = 0;
@@ -58,7 +58,7 @@ impl<W: Width> Pool<'_, W> {
                 held.sustained = Some(contact);
                 self.record(lane, record);
             }
-            Event::Out => {
+            SustainedEvent::Out => {
                 self.in_sustained &= !(1 << lane);
                 held.chatter = contact.chatter;
                 let step = self.tuning.step / constants.fastest;

@@ -9,18 +9,18 @@ use shared::model::contacts::Contact;
 use shared::model::drive::Drive;
 use shared::model::params::{BEAM_170, RigParams, SupportParams};
 use shared::model::rig::Rig;
-use shared::model::step::{Banded, State, Stepper};
+use shared::model::step::{Banded, HammerState, Stepper};
 use shared::model::switch::Band;
 use shared::model::twin::Twin;
 
-use super::named::{Cell, Named};
+use super::named::{NamedPoint, StepperCell};
 use super::{Method, Setting};
 use crate::engine::{Plan, Precision};
 use crate::error::Error;
 use crate::pick::sensitivity::{contact_damping_ratio, restitution};
 
 /// Where the band is studied.
-pub const POINT: Named = Named {
+pub const POINT: NamedPoint = NamedPoint {
     rig: "beam-150",
     gap_mm: 1.0,
     ratio: 1.5,
@@ -45,9 +45,9 @@ pub const ETA_BETA_N: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
 pub const EPSILON_M: [f64; 4] = [1e-6, 2.5e-7, 6.25e-8, 1.5e-8];
 
 /// The errors of a width at each of [`TICKS_US`].
-pub type Row = Vec<Option<Cell>>;
+pub type ErrorsOverTicks = Vec<Option<StepperCell>>;
 
-fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, Row)> {
+fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, ErrorsOverTicks)> {
     let row = |width: &f64| {
         let at = |tick_us: &f64| {
             let setting = Setting {
@@ -63,7 +63,7 @@ fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, Row)
 }
 
 /// Errors against η_α, with η_β = 0.001 N.
-pub fn by_eta_alpha() -> Vec<(f64, Row)> {
+pub fn by_eta_alpha() -> Vec<(f64, ErrorsOverTicks)> {
     rows(&ETA_ALPHA_M, |eta_alpha_m| Method::Banded {
         eta_alpha_m,
         eta_beta_n: 1e-3,
@@ -71,7 +71,7 @@ pub fn by_eta_alpha() -> Vec<(f64, Row)> {
 }
 
 /// Errors against η_β, with η_α = 1e-8 m.
-pub fn by_eta_beta() -> Vec<(f64, Row)> {
+pub fn by_eta_beta() -> Vec<(f64, ErrorsOverTicks)> {
     rows(&ETA_BETA_N, |eta_beta_n| Method::Banded {
         eta_alpha_m: 1e-8,
         eta_beta_n,
@@ -79,7 +79,7 @@ pub fn by_eta_beta() -> Vec<(f64, Row)> {
 }
 
 /// Errors of the smoothing method against ε_α.
-pub fn by_epsilon() -> Vec<(f64, Row)> {
+pub fn by_epsilon() -> Vec<(f64, ErrorsOverTicks)> {
     rows(&EPSILON_M, |epsilon_alpha_m| Method::Smoothed {
         epsilon_alpha_m,
         epsilon_beta_n: 1e7 * epsilon_alpha_m,
@@ -126,7 +126,7 @@ fn single<R: Real, S: Stepper<R>>(
     clearance_m: f64,
 ) -> Result<Option<Contact<R>>, Error> {
     let rig = Rig::<R>::new(&free_mass())?;
-    let state = State::new(
+    let state = HammerState::new(
         &rig,
         R::from_f64(-clearance_m),
         R::from_f64(APPROACH_M_PER_S),

@@ -13,13 +13,13 @@ use shared::model::drive::Drive;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use crate::engine::{Engine, Machine, Plan, Precision, Recorder, Start, machine, observe};
+use crate::engine::{CycleRecorder, Engine, Machine, Plan, Precision, Start, machine, observe};
 pub use crate::engine::{Method, Setting};
 use crate::error::Error;
 
 /// What the recorded periods of a run showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
+pub struct PeriodsOutcome {
     /// Frequency really driven, Hz.
     pub frequency_hz: f64,
     /// Impact regime.
@@ -32,7 +32,7 @@ pub struct Outcome {
     pub section: [f64; 2],
 }
 
-impl Outcome {
+impl PeriodsOutcome {
     /// Error of this outcome's force relative to another's.
     pub fn force_error(&self, truth: &Self) -> f64 {
         self.force_n / truth.force_n - 1.0
@@ -54,7 +54,7 @@ pub fn settle(
     frequency_hz: f64,
     start: Start,
     plan: Plan,
-) -> Result<Outcome, Error> {
+) -> Result<PeriodsOutcome, Error> {
     let mut machine = machine(Engine::Switch(setting), params, frequency_hz, start)?;
     outcome(machine.as_mut(), plan)
 }
@@ -68,7 +68,7 @@ pub fn settle_reference(
     frequency_hz: f64,
     start: Start,
     plan: Plan,
-) -> Result<Outcome, Error> {
+) -> Result<PeriodsOutcome, Error> {
     let mut machine = machine(Engine::Event, params, frequency_hz, start)?;
     outcome(machine.as_mut(), plan)
 }
@@ -88,7 +88,7 @@ pub fn from_settled(
     params: &RigParams,
     frequency_hz: f64,
     plan: Plan,
-) -> Result<(Outcome, Outcome), Error> {
+) -> Result<(PeriodsOutcome, PeriodsOutcome), Error> {
     let real = real_frequency(setting, frequency_hz)?;
     let truth = settle_reference(params, real, Start::Rest, SETTLING)?;
     let start = Start::Section(truth.section);
@@ -106,9 +106,9 @@ pub fn real_frequency(setting: Setting, frequency_hz: f64) -> Result<f64, Error>
     })
 }
 
-fn outcome(machine: &mut dyn Machine, plan: Plan) -> Result<Outcome, Error> {
-    let seen = observe(machine, plan, &mut Recorder::default())?;
-    Ok(Outcome {
+fn outcome(machine: &mut dyn Machine, plan: Plan) -> Result<PeriodsOutcome, Error> {
+    let seen = observe(machine, plan, &mut CycleRecorder::default())?;
+    Ok(PeriodsOutcome {
         frequency_hz: seen.frequency_hz,
         regime: seen.regime,
         force_n: seen.force_n,

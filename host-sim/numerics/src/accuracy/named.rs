@@ -10,7 +10,7 @@ use crate::error::Error;
 
 /// A point with a name people know it by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Named {
+pub struct NamedPoint {
     /// Preset.
     pub rig: &'static str,
     /// Gap, mm.
@@ -19,12 +19,12 @@ pub struct Named {
     pub ratio: f64,
 }
 
-const fn point(rig: &'static str, gap_mm: f64, ratio: f64) -> Named {
-    Named { rig, gap_mm, ratio }
+const fn point(rig: &'static str, gap_mm: f64, ratio: f64) -> NamedPoint {
+    NamedPoint { rig, gap_mm, ratio }
 }
 
 /// The points: a 1/1 on every rig at a small and a large gap.
-pub const POINTS: [Named; 6] = [
+pub const POINTS: [NamedPoint; 6] = [
     point("wires", 0.0, 1.5),
     point("wires", 0.0, 2.0),
     point("wires", 2.4, 1.4),
@@ -67,7 +67,7 @@ pub const PLAN: Plan = Plan {
 
 /// What one stepper made of one point at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub struct StepperCell {
     /// Error of the largest force relative to the reference's.
     pub force: f64,
     /// Error of the approach speed of the contact with that force.
@@ -78,18 +78,18 @@ pub struct Cell {
 
 /// A point's table: the reference's regime and force ratio, and a row of cells per stepper.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct PointTable {
     /// The point.
-    pub point: Named,
+    pub point: NamedPoint,
     /// The reference's regime.
     pub regime: Regime,
     /// The reference's force over the hammer's weight.
     pub force_ratio: f64,
     /// Cells by stepper ([`STEPPERS`]) and tick ([`TICKS_US`]); `None` where the hammer left the model.
-    pub rows: Vec<Vec<Option<Cell>>>,
+    pub rows: Vec<Vec<Option<StepperCell>>>,
 }
 
-impl Named {
+impl NamedPoint {
     /// Its parameters.
     ///
     /// # Panics
@@ -107,10 +107,10 @@ impl Named {
     }
 
     /// Compares one setting with the reference.
-    pub fn cell(&self, setting: Setting, plan: Plan) -> Option<Cell> {
+    pub fn cell(&self, setting: Setting, plan: Plan) -> Option<StepperCell> {
         let (truth, seen) =
             from_settled(setting, &self.params(), self.frequency_hz(), plan).ok()?;
-        Some(Cell {
+        Some(StepperCell {
             force: seen.force_error(&truth),
             approach: seen.approach_error(&truth),
             same_regime: seen.regime == truth.regime,
@@ -122,7 +122,7 @@ impl Named {
 ///
 /// # Errors
 /// If a simulation fails, which none of the presets does.
-pub fn table(point: Named) -> Result<Table, Error> {
+pub fn table(point: NamedPoint) -> Result<PointTable, Error> {
     let settled = super::settle_reference(
         &point.params(),
         point.frequency_hz(),
@@ -140,7 +140,7 @@ pub fn table(point: Named) -> Result<Table, Error> {
         };
         TICKS_US.par_iter().map(at).collect()
     };
-    Ok(Table {
+    Ok(PointTable {
         point,
         regime: settled.regime,
         force_ratio: settled.force_n / point.params().weight_n(),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use shared::model::params::{PRESETS, RigParams};
 use shared::model::regime::Regime;
 
-use super::{Outcome, Setting, real_frequency, settle, settle_reference};
+use super::{PeriodsOutcome, Setting, real_frequency, settle, settle_reference};
 use crate::engine::{Plan, Start};
 use crate::error::Error;
 
@@ -36,7 +36,7 @@ pub const NUDGE_M: f64 = 1e-9;
 
 /// A point of the survey.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct SurveyPoint {
     /// Index into [`PRESETS`].
     pub rig: usize,
     /// Gap, mm.
@@ -45,7 +45,7 @@ pub struct Point {
     pub ratio: f64,
 }
 
-impl Point {
+impl SurveyPoint {
     /// The rig's preset name.
     pub fn rig_name(&self) -> &'static str {
         PRESETS[self.rig].0
@@ -69,13 +69,13 @@ impl Point {
 ///
 /// # Errors
 /// If a simulation fails, which none of the presets does.
-pub fn points(seed: u64, count: usize) -> Result<Vec<Point>, Error> {
+pub fn points(seed: u64, count: usize) -> Result<Vec<SurveyPoint>, Error> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut found = Vec::new();
     let mut drawn = 0;
     while found.len() < count {
-        let batch: Vec<Point> = (0..64)
-            .map(|i| Point {
+        let batch: Vec<SurveyPoint> = (0..64)
+            .map(|i| SurveyPoint {
                 rig: (drawn + i) % PRESETS.len(),
                 gap_mm: rng.random_range(0.0..GAP_MM),
                 ratio: rng.random_range(RATIOS),
@@ -100,11 +100,11 @@ pub fn points(seed: u64, count: usize) -> Result<Vec<Point>, Error> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
     /// The point.
-    pub point: Point,
+    pub point: SurveyPoint,
     /// The reference, at the frequency the switch model really runs at.
-    pub truth: Outcome,
+    pub truth: PeriodsOutcome,
     /// The switch model.
-    pub seen: Outcome,
+    pub seen: PeriodsOutcome,
 }
 
 impl Compared {
@@ -118,8 +118,8 @@ impl Compared {
 ///
 /// # Errors
 /// If a simulation fails, which none of the presets does at a tick that resolves the drive.
-pub fn compare(points: &[Point], setting: Setting) -> Result<Vec<Compared>, Error> {
-    let one = |point: &Point| {
+pub fn compare(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>, Error> {
+    let one = |point: &SurveyPoint| {
         let params = point.params();
         let frequency_hz = real_frequency(setting, point.frequency_hz())?;
         Ok(Compared {
@@ -136,8 +136,8 @@ pub fn compare(points: &[Point], setting: Setting) -> Result<Vec<Compared>, Erro
 ///
 /// # Errors
 /// As [`compare`].
-pub fn compare_near(points: &[Point], setting: Setting) -> Result<Vec<Compared>, Error> {
-    let one = |point: &Point| {
+pub fn compare_near(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>, Error> {
+    let one = |point: &SurveyPoint| {
         let params = point.params();
         let frequency_hz = real_frequency(setting, point.frequency_hz())?;
         let settled = settle_reference(&params, frequency_hz, Start::Rest, PLAN)?;
@@ -156,14 +156,14 @@ pub const NUDGES: usize = 8;
 
 /// The reference from rest, and from [`NUDGES`] starts [`NUDGE_M`] around it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Edge {
+pub struct ReferenceEdge {
     /// From rest.
-    pub rest: Outcome,
+    pub rest: PeriodsOutcome,
     /// From the nudged starts, counter-clockwise from a nudge towards the surface.
-    pub nudged: Vec<Outcome>,
+    pub nudged: Vec<PeriodsOutcome>,
 }
 
-impl Edge {
+impl ReferenceEdge {
     /// Nudges the reference's start at a compared point.
     ///
     /// # Errors
@@ -185,10 +185,11 @@ impl Edge {
 
     /// The nudged outcomes that differ from the one from rest: in regime, or in force by more than the
     /// requirement.
-    pub fn strayed(&self) -> impl Iterator<Item = &Outcome> {
+    pub fn strayed(&self) -> impl Iterator<Item = &PeriodsOutcome> {
         let rest = &self.rest;
-        let strays =
-            move |o: &&Outcome| o.regime != rest.regime || o.force_error(rest).abs() > REQUIREMENT;
+        let strays = move |o: &&PeriodsOutcome| {
+            o.regime != rest.regime || o.force_error(rest).abs() > REQUIREMENT
+        };
         self.nudged.iter().filter(strays)
     }
 
@@ -200,7 +201,7 @@ impl Edge {
 
 /// Median, 95th percentile, largest, and how many exceed [`REQUIREMENT`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct ErrorSpread {
     /// Median error.
     pub median: f64,
     /// 95 % of the errors are at most this.
@@ -211,7 +212,7 @@ pub struct Spread {
     pub above: usize,
 }
 
-impl Spread {
+impl ErrorSpread {
     /// Of some errors.
     ///
     /// # Panics

@@ -15,7 +15,7 @@ const NEAR: f64 = 0.05;
 
 /// The kind of motion of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum AttractorKind {
     /// None: the hammer could not be followed.
     Failed,
     /// No contact.
@@ -40,7 +40,7 @@ pub enum Kind {
     },
 }
 
-impl From<Regime> for Kind {
+impl From<Regime> for AttractorKind {
     fn from(regime: Regime) -> Self {
         match regime {
             Regime::None => Self::NoImpact,
@@ -56,14 +56,14 @@ impl From<Regime> for Kind {
 
 /// What an attractor is called: "p/n", "chatter p/n", "no impact", "aperiodic" or "unsettled", with a letter if several are of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Name {
+pub struct AttractorName {
     /// The kind of motion.
-    pub kind: Kind,
+    pub kind: AttractorKind,
     /// Which of its kind, from 0, the one with the most starts first; `None` if there is no other.
     pub number: Option<usize>,
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for AttractorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Failed => f.write_str("failed"),
@@ -76,7 +76,7 @@ impl fmt::Display for Kind {
     }
 }
 
-impl fmt::Display for Name {
+impl fmt::Display for AttractorName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.number {
             Some(number) => f.pad(&format!("{} {}", self.kind, letters(number))),
@@ -85,7 +85,7 @@ impl fmt::Display for Name {
     }
 }
 
-impl Serialize for Name {
+impl Serialize for AttractorName {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
@@ -95,7 +95,7 @@ impl Serialize for Name {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
     /// Its name.
-    pub name: Name,
+    pub name: AttractorName,
     /// The regime of the first start that ends here.
     pub regime: Regime,
     /// Middle of its section, in A0 and A0 Ω of the rig's coordinate, if it repeats: of the start that settled first.
@@ -111,11 +111,11 @@ pub struct Attractor {
 /// All motions without contact are one attractor: without damping they go on as they began. All motions that do not
 /// repeat are one, too: after a few hundred cycles nothing distinguishes two of them.
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
-    let mut by_kind: Vec<(Kind, Vec<usize>)> = Vec::new();
+    let mut by_kind: Vec<(AttractorKind, Vec<usize>)> = Vec::new();
     for (i, fate) in fates.iter().enumerate() {
-        let kind = match Kind::from(fate.regime) {
-            _ if fate.failed => Kind::Failed,
-            _ if fate.unsettled => Kind::Unsettled,
+        let kind = match AttractorKind::from(fate.regime) {
+            _ if fate.failed => AttractorKind::Failed,
+            _ if fate.unsettled => AttractorKind::Unsettled,
             kind => kind,
         };
         match by_kind.iter_mut().find(|(other, _)| *other == kind) {
@@ -123,14 +123,14 @@ pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
             None => by_kind.push((kind, vec![i])),
         }
     }
-    let mut groups: Vec<(Name, Vec<usize>)> = Vec::new();
+    let mut groups: Vec<(AttractorName, Vec<usize>)> = Vec::new();
     for (kind, members) in by_kind {
         let mut clusters = near_together(fates, members);
         clusters.sort_by_key(|members| (std::cmp::Reverse(members.len()), members[0]));
         let several = clusters.len() > 1;
         groups.extend(clusters.into_iter().enumerate().map(|(k, members)| {
             let number = several.then_some(k);
-            (Name { kind, number }, members)
+            (AttractorName { kind, number }, members)
         }));
     }
     groups.sort_by_key(|(_, members)| (std::cmp::Reverse(members.len()), members[0]));

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use super::{Basins, Name};
+use super::{AttractorName, Basins};
 use crate::row::CartModel;
 use crate::row::Outcome;
 
 /// One start of the grid and what became of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CellRow {
+pub struct StartRow {
     /// Displacement relative to the cart at the start, mm.
     pub displacement_mm: f64,
     /// Velocity relative to the cart at the start, m/s.
@@ -24,7 +24,7 @@ pub struct CellRow {
     /// n, if the section repeats.
     pub periods: Option<u8>,
     /// Which of the attractors, by name.
-    pub attractor: Name,
+    pub attractor: AttractorName,
     /// Largest contact force of the recorded cycles over m g; none if the run failed.
     pub force_ratio: Option<f64>,
     /// Cycle after which the section had settled.
@@ -38,12 +38,12 @@ pub struct CellRow {
 }
 
 /// The grid, rows by rising velocity, within a row by rising displacement.
-pub fn rows(basins: &Basins) -> Vec<CellRow> {
+pub fn rows(basins: &Basins) -> Vec<StartRow> {
     let weight = basins.query.rig.params.weight_n();
     let cart = CartModel::of(&basins.query.rig.params);
     let cells = basins.grid.iter().zip(&basins.which);
     cells
-        .map(|(fate, which)| CellRow {
+        .map(|(fate, which)| StartRow {
             displacement_mm: fate.start[0] * 1e3,
             velocity_m_per_s: fate.start[1],
             phase_turns: basins.query.phase,

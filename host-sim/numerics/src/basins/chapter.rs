@@ -8,7 +8,7 @@ use crate::row::NamedRig;
 
 /// One point: its figure, part, preset, Ω/ω and gap/A0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct ChapterBasin {
     /// The chapter's number of the figure.
     pub figure: &'static str,
     /// "a" or "b".
@@ -27,8 +27,8 @@ const fn point(
     rig: &'static str,
     ratio: f64,
     gap_over_amplitude: f64,
-) -> Point {
-    Point {
+) -> ChapterBasin {
+    ChapterBasin {
         figure,
         part,
         rig,
@@ -38,7 +38,7 @@ const fn point(
 }
 
 /// Figures 3.36–3.38 and 3.52–3.54, as their captions give them.
-pub const POINTS: [Point; 12] = [
+pub const POINTS: [ChapterBasin; 12] = [
     point("3.36", "a", "wires", 2.00, 2.00),
     point("3.36", "b", "wires", 2.00, 1.50),
     point("3.37", "a", "wires", 1.75, 2.50),
@@ -53,7 +53,7 @@ pub const POINTS: [Point; 12] = [
     point("3.54", "b", "beam-135", 2.25, 1.50),
 ];
 
-impl Point {
+impl ChapterBasin {
     /// The question the figure answers, on a grid of `columns` by `rows`.
     ///
     /// # Errors

@@ -68,7 +68,7 @@ fn gibbs(cells: &mut [u16]) -> f64 {
 
 /// How the share of uncertain starts falls with the distance one is uncertain by: f(ε) ∝ ε^α.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Uncertainty {
+pub struct StartUncertainty {
     /// α, the uncertainty exponent: 1 for a smooth boundary, towards 0 the rougher it is.
     pub exponent: f64,
     /// Dimension of the boundary in the plane of starts, 2 − α.
@@ -88,7 +88,7 @@ const FARTHEST_PART: usize = 32;
 ///
 /// Displacement and velocity have different units; along a row only displacement is uncertain. A boundary that runs along
 /// the rows is not seen.
-pub fn uncertainty(basin: &[u16], columns: usize) -> Option<Uncertainty> {
+pub fn uncertainty(basin: &[u16], columns: usize) -> Option<StartUncertainty> {
     let shares: Vec<(f64, f64)> = (0..)
         .map(|k| 1_usize << k)
         .take_while(|distance| FARTHEST_PART * distance <= columns)
@@ -105,7 +105,7 @@ pub fn uncertainty(basin: &[u16], columns: usize) -> Option<Uncertainty> {
     let sxy: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let slope = sxy / sxx;
     let misfit = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).abs());
-    Some(Uncertainty {
+    Some(StartUncertainty {
         exponent: slope,
         dimension: 2.0 - slope,
         misfit: misfit.fold(0.0, f64::max),

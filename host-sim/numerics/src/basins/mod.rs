@@ -17,14 +17,14 @@ mod tests;
 use serde::Serialize;
 
 use crate::engine::Engine;
-use crate::error::{BasinsError, Error, Side};
+use crate::error::{BasinsError, Error, WindowSide};
 use crate::progress::Progress;
 use crate::row::NamedRig;
-pub use attractors::{Attractor, Kind, Name};
-pub use entropy::{Entropy, Uncertainty};
-pub use share::Share;
-pub use start::{Drive, Fate, Window};
-pub use summary::{AttractorShare, Summary};
+pub use attractors::{Attractor, AttractorKind, AttractorName};
+pub use entropy::{Entropy, StartUncertainty};
+pub use share::SampledShare;
+pub use start::{BasinDrive, Fate, StartWindow};
+pub use summary::{AttractorShare, BasinsSummary};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct BasinsRequest {
     /// Drive phase at the start, turns from 0 to below 1.
     pub phase: f64,
     /// The starts.
-    pub window: Window,
+    pub window: StartWindow,
     /// Drive cycles of each.
     pub cycles: u32,
     /// How many of the last are recorded.
@@ -55,7 +55,7 @@ const COMPARED_EVERY: u32 = 50;
 impl BasinsRequest {
     /// The chapter's: the usual window at phase 0, 300 cycles with 100 recorded; 2000 random starts, run on to 1000.
     pub fn usual(rig: NamedRig, frequency_hz: f64, columns: usize, rows: usize) -> Self {
-        let window = Window::usual(&rig.params, columns, rows);
+        let window = StartWindow::usual(&rig.params, columns, rows);
         Self {
             rig,
             frequency_hz,
@@ -81,7 +81,7 @@ impl BasinsRequest {
     /// If the window, the number of cells, the phase or the cycles are out of range.
     pub fn check(&self) -> Result<(), Error> {
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
-        for (side, [from, to]) in [(Side::Displacement, x), (Side::Velocity, v)] {
+        for (side, [from, to]) in [(WindowSide::Displacement, x), (WindowSide::Velocity, v)] {
             if !(from < to && from.is_finite() && to.is_finite()) {
                 return Err(BasinsError::Window { side, from, to }.into());
             }
@@ -125,7 +125,7 @@ pub struct ImpactAfter {
     /// The number of cycles.
     pub cycles: u32,
     /// Starts with a contact in the recorded cycles before.
-    pub impact: Share,
+    pub impact: SampledShare,
 }
 
 /// The basins.
@@ -133,7 +133,7 @@ pub struct ImpactAfter {
 pub struct Basins {
     /// What was asked.
     pub query: BasinsRequest,
-    /// What became of the grid's starts, in the order of [`Window::starts`].
+    /// What became of the grid's starts, in the order of [`StartWindow::starts`].
     pub grid: Vec<Fate>,
     /// Which attractor each ends in, an index of `attractors`.
     pub which: Vec<u16>,
@@ -158,7 +158,7 @@ pub fn explore(
     progress: &dyn Progress,
 ) -> Result<Basins, Error> {
     query.check()?;
-    let drive = Drive {
+    let drive = BasinDrive {
         params: query.rig.params,
         frequency_hz: query.frequency_hz,
         phase: query.phase,
@@ -178,7 +178,7 @@ pub fn explore(
         let counts = start::touching(engine, &drive, &sample, &at, query.recorded, progress)?;
         let share = |(cycles, count)| ImpactAfter {
             cycles,
-            impact: Share::wilson(count, of),
+            impact: SampledShare::wilson(count, of),
         };
         at.into_iter().zip(counts).map(share).collect()
     };
@@ -217,10 +217,10 @@ impl Basins {
     }
 
     /// Share of the random starts for which `is` holds, with its interval.
-    pub fn random_share(&self, is: impl Fn(&Fate, u16) -> bool) -> Share {
+    pub fn random_share(&self, is: impl Fn(&Fate, u16) -> bool) -> SampledShare {
         let all = self.random.iter().zip(&self.random_which);
         let count = all.filter(|(fate, which)| is(fate, **which)).count();
-        Share::wilson(count as u64, self.random.len() as u64)
+        SampledShare::wilson(count as u64, self.random.len() as u64)
     }
 
     /// Impact 1, no impact 0, cell by cell.
@@ -229,7 +229,7 @@ impl Basins {
     }
 
     /// The summary a program reads.
-    pub fn summary(&self) -> Summary {
-        Summary::new(self)
+    pub fn summary(&self) -> BasinsSummary {
+        BasinsSummary::new(self)
     }
 }

@@ -8,7 +8,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A share of a random sample, with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Share {
+pub struct SampledShare {
     /// Those counted.
     pub count: u64,
     /// The whole sample.
@@ -19,7 +19,7 @@ pub struct Share {
     pub high: f64,
 }
 
-impl Share {
+impl SampledShare {
     /// `count` of `of`, with Wilson's score interval (E. B. Wilson, J. Am. Stat. Assoc. 22, 209–212, 1927,
     /// 10.1080/01621459.1927.10502953): it stays within 0 and 1, and does not collapse when none or all are
     /// counted. An empty sample says nothing: 0 to 1.
@@ -95,7 +95,7 @@ mod tests {
             (0, 20, 0.0000, 0.1611),
             (1, 29, 0.0061, 0.1718),
         ] {
-            let share = Share::wilson(count, of);
+            let share = SampledShare::wilson(count, of);
             // Printed to four digits.
             assert!((share.low - low).abs() < 5.1e-5, "{share:?}");
             assert!((share.high - high).abs() < 5.1e-5, "{share:?}");
@@ -104,11 +104,11 @@ mod tests {
 
     #[test]
     fn none_all_and_nothing_have_sensible_ends() {
-        assert_eq!(Share::wilson(0, 50).low, 0.0);
-        let all = Share::wilson(50, 50);
+        assert_eq!(SampledShare::wilson(0, 50).low, 0.0);
+        let all = SampledShare::wilson(50, 50);
         assert_eq!(all.high, 1.0);
-        assert!((all.low - (1.0 - Share::wilson(0, 50).high)).abs() < 1e-12);
-        let nothing = Share::wilson(0, 0);
+        assert!((all.low - (1.0 - SampledShare::wilson(0, 50).high)).abs() < 1e-12);
+        let nothing = SampledShare::wilson(0, 0);
         assert_eq!((nothing.low, nothing.high), (0.0, 1.0));
     }
 

@@ -8,7 +8,7 @@ use shared::model::rig::Rig;
 
 use crate::engine::{Engine, Start};
 use crate::error::Error;
-use crate::lanes::{self, Cell, CellPlan, Outcome};
+use crate::lanes::{self, Cell, CellOutcome, CellPlan};
 use crate::progress::{Progress, step};
 
 /// Displacement at which the usual window begins, m.
@@ -31,7 +31,7 @@ fn chunk(engine: Engine) -> usize {
 /// A rectangle of starts, cut into cells: a cell's start is its middle. Displacement and velocity are relative to the
 /// cart (l sin θ or Δ, and its rate).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct StartWindow {
     /// From and to, m.
     pub displacement_m: [f64; 2],
     /// From and to, m/s.
@@ -42,7 +42,7 @@ pub struct Window {
     pub rows: usize,
 }
 
-impl Window {
+impl StartWindow {
     /// From 6 mm out to where the surface begins, at up to 0.15 m/s either way.
     pub fn usual(params: &RigParams, columns: usize, rows: usize) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Window {
 
 /// The rig, its drive and the drive phase at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
+pub struct BasinDrive {
     /// The rig, with its gap.
     pub params: RigParams,
     /// Drive frequency, Hz.
@@ -116,7 +116,7 @@ pub struct Fate {
 }
 
 impl Fate {
-    fn new(start: [f64; 2], outcome: &Outcome, units: [f64; 2]) -> Self {
+    fn new(start: [f64; 2], outcome: &CellOutcome, units: [f64; 2]) -> Self {
         let periods = outcome.regime.periods().map(usize::from);
         let middle = periods.and_then(|n| {
             let first = outcome.strobes.len().checked_sub(n)?;
@@ -174,7 +174,7 @@ impl Fate {
 /// of range, if every hammer leaves what the model describes, or if the work is interrupted.
 pub fn fates(
     engine: Engine,
-    drive: &Drive,
+    drive: &BasinDrive,
     starts: &[[f64; 2]],
     cycles: u32,
     recorded: u32,
@@ -219,7 +219,7 @@ pub fn fates(
 /// As [`fates`].
 pub fn touching(
     engine: Engine,
-    drive: &Drive,
+    drive: &BasinDrive,
     starts: &[[f64; 2]],
     cycles: &[u32],
     recorded: u32,
@@ -251,7 +251,7 @@ pub fn touching(
 
 /// Whether `outcome`, all of whose cycles are kept, has a contact in the `recorded` cycles up to `cycle`. What was stopped
 /// early goes on as it was then.
-fn touched(outcome: &Outcome, cycle: u32, recorded: u32) -> bool {
+fn touched(outcome: &CellOutcome, cycle: u32, recorded: u32) -> bool {
     if cycle > outcome.cycles && outcome.regime != Regime::None {
         return true;
     }
@@ -263,10 +263,10 @@ fn touched(outcome: &Outcome, cycle: u32, recorded: u32) -> bool {
 
 fn outcomes(
     engine: Engine,
-    drive: &Drive,
+    drive: &BasinDrive,
     starts: &[[f64; 2]],
     plan: &CellPlan,
-) -> Result<Vec<Result<Outcome, Error>>, Error> {
+) -> Result<Vec<Result<CellOutcome, Error>>, Error> {
     let rig = Rig::<f64>::new(&drive.params)?;
     let omega = std::f64::consts::TAU * drive.frequency_hz;
     let cell = |start: &[f64; 2]| {
@@ -295,7 +295,7 @@ mod tests {
             gap_m: 2e-3,
             ..WIRES
         };
-        let starts = Window::usual(&params, 4, 3).starts();
+        let starts = StartWindow::usual(&params, 4, 3).starts();
         assert_eq!(starts.len(), 12);
         let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < 1e-15);
         assert!(close(starts[0], [-5e-3, -0.1]), "{:?}", starts[0]);
@@ -306,7 +306,7 @@ mod tests {
 
     #[test]
     fn samples_lie_in_the_window_evenly_and_come_again_with_their_seed() {
-        let window = Window::usual(&WIRES, 1, 1);
+        let window = StartWindow::usual(&WIRES, 1, 1);
         let sample = window.sample(4000, 3);
         assert_eq!(sample, window.sample(4000, 3));
         assert_ne!(sample, window.sample(4000, 4));

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use super::entropy::{self, Entropy, Uncertainty};
-use super::{Basins, ImpactAfter, Name, Share};
+use super::entropy::{self, Entropy, StartUncertainty};
+use super::{AttractorName, Basins, ImpactAfter, SampledShare};
 use crate::row::CartModel;
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub struct BasinsSummary {
     /// Name of the rig.
     pub rig: String,
     /// Clearance at rest, mm.
@@ -36,13 +36,13 @@ pub struct Summary {
     /// The mesh's error of it; `None` if the grid is too small.
     pub impact_share_mesh_error: Option<f64>,
     /// The same of the random starts, with its 95 % interval; none without.
-    pub impact_share_random: Option<Share>,
+    pub impact_share_random: Option<SampledShare>,
     /// Entropy of the picture impact / no impact, nats.
     pub impact_entropy: Option<Entropy>,
     /// Entropy of the picture by attractor, nats.
     pub attractor_entropy: Option<Entropy>,
     /// How the boundary of impact / no impact fills the plane.
-    pub impact_uncertainty: Option<Uncertainty>,
+    pub impact_uncertainty: Option<StartUncertainty>,
     /// Whether the attractors' boundary basin entropy is above ln 2.
     pub fractal_by_entropy: bool,
     /// The attractors.
@@ -62,7 +62,7 @@ pub struct Summary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttractorShare {
     /// Its name.
-    pub name: Name,
+    pub name: AttractorName,
     /// p.
     pub impacts: u16,
     /// n, if it repeats.
@@ -76,16 +76,16 @@ pub struct AttractorShare {
     /// The mesh's error of it.
     pub share_mesh_error: Option<f64>,
     /// Share of the random starts.
-    pub share_random: Option<Share>,
+    pub share_random: Option<SampledShare>,
 }
 
-impl Summary {
+impl BasinsSummary {
     pub(super) fn new(basins: &Basins) -> Self {
         let query = &basins.query;
         let params = &query.rig.params;
         let window = &query.window;
         let tidy = crate::row::tidy;
-        let sampled = |share: Share| (share.of > 0).then_some(share);
+        let sampled = |share: SampledShare| (share.of > 0).then_some(share);
         let (impact_share, impact_share_mesh_error) = basins.grid_share(|f, _| f.impacts());
         let picture = basins.impact_picture();
         let attractor_entropy = entropy::entropy(&basins.which, window.columns);

@@ -7,7 +7,7 @@ use shared::model::rig::Rig;
 use super::*;
 use crate::engine::Start;
 use crate::lanes::{Cell, CellPlan, by_engine};
-use crate::reference::{Observer, Reference, Segment};
+use crate::reference::{Reference, Segment, TrajectoryObserver};
 
 fn rig(name: &str, params: RigParams, gap_over_amplitude: f64) -> NamedRig {
     NamedRig::new(
@@ -82,7 +82,7 @@ fn the_starts_that_never_touch_are_those_of_the_closed_form() {
         let rate = steady.forced[0] * steady.omega;
         let speed = 1.2e-3 * TAU * natural_hz;
         let query = BasinsRequest {
-            window: Window {
+            window: StartWindow {
                 displacement_m: [-1.2e-3, 1.2e-3],
                 velocity_m_per_s: [rate - speed, rate + speed],
                 columns: 12,
@@ -127,7 +127,7 @@ struct At {
     found: Option<(f64, f64)>,
 }
 
-impl Observer for At {
+impl TrajectoryObserver for At {
     fn segment(&mut self, segment: &Segment) {
         let t = self.turns / self.hz;
         if (segment.start.t..=segment.end.t).contains(&t) {
@@ -177,12 +177,12 @@ fn a_start_and_where_it_is_later_share_their_fate() {
     let rig = rig("wires", WIRES, 2.0);
     let (hz, phase) = (2.0 * rig.params.natural_frequency_hz(), 0.3);
     let model = Rig::<f64>::new(&rig.params).unwrap();
-    let first = Drive {
+    let first = BasinDrive {
         params: rig.params,
         frequency_hz: hz,
         phase: 0.0,
     };
-    let starts = Window::usual(&rig.params, 5, 5).starts();
+    let starts = StartWindow::usual(&rig.params, 5, 5).starts();
     let later: Vec<[f64; 2]> = starts
         .iter()
         .map(|[x, v]| {
@@ -200,11 +200,11 @@ fn a_start_and_where_it_is_later_share_their_fate() {
             [model.relative_displacement(q), there.rate]
         })
         .collect();
-    let run = |drive: &Drive, starts: &[[f64; 2]]| {
+    let run = |drive: &BasinDrive, starts: &[[f64; 2]]| {
         start::fates(Engine::Event, drive, starts, 121, 60, &()).unwrap()
     };
     let a = run(&first, &starts);
-    let b = run(&Drive { phase, ..first }, &later);
+    let b = run(&BasinDrive { phase, ..first }, &later);
     let same = a.iter().zip(&b).filter(|(a, b)| a.impacts() == b.impacts());
     // One start of 25 may lie so near the boundary that the quintic's 1e-9 decides it.
     assert!(same.count() >= 24);
@@ -219,9 +219,9 @@ fn starts_in_a_cart_that_recoils_go_as_the_reference_has_them() {
     for (params, phase) in [(WIRES, 0.0), (WIRES, 0.3), (BEAM_170, 0.7)] {
         let mut rig = rig("recoiling", params, 1.5);
         let hz = 1.8 * rig.params.natural_frequency_hz();
-        let starts = Window::usual(&rig.params, 5, 5).starts();
+        let starts = StartWindow::usual(&rig.params, 5, 5).starts();
         let fates = |params: RigParams| {
-            let drive = Drive {
+            let drive = BasinDrive {
                 params,
                 frequency_hz: hz,
                 phase,
@@ -299,7 +299,7 @@ fn what_cannot_be_is_refused_before_anything_runs() {
     let mut turned = usual.clone();
     turned.window.displacement_m.reverse();
     let [to, from] = usual.window.displacement_m;
-    let side = Side::Displacement;
+    let side = WindowSide::Displacement;
     assert_eq!(refused(turned), BasinsError::Window { side, from, to });
     let mut empty = usual.clone();
     empty.window.rows = 0;

@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::changes;
-use super::measured::{Distance, Measured};
-use super::{Change, Diagram, DiagramRequest, Twofold};
+use super::measured::{Distance, MeasuredDiagram};
+use super::{BifurcationDiagram, DiagramRequest, RegimeChange, Twofold};
 use crate::row::CartModel;
 use crate::sweep::Direction;
 
 /// The answer as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct BifurcationAnswer {
     /// Name of the rig.
     pub rig: String,
     /// Where the section is taken.
@@ -41,7 +41,7 @@ pub struct DiagramAnswer {
     /// Frequencies at which nothing repeated and the motion still changed.
     pub not_settled: usize,
     /// Where the number of branches changes, or one breaks off.
-    pub changes: Vec<Change>,
+    pub changes: Vec<RegimeChange>,
     /// How far measured displacements lie from it, mm.
     pub measured_displacement_mm: Option<Distance>,
     /// How far measured forces lie from it, N.
@@ -50,14 +50,14 @@ pub struct DiagramAnswer {
     pub failed: usize,
 }
 
-impl Answer {
+impl BifurcationAnswer {
     /// Of the `diagrams` made for `request`, with measured points beside them.
     pub fn new(
         request: &DiagramRequest,
-        diagrams: &[Diagram],
-        measured: Option<&Measured>,
+        diagrams: &[BifurcationDiagram],
+        measured: Option<&MeasuredDiagram>,
     ) -> Self {
-        let one = |d: &Diagram| DiagramAnswer {
+        let one = |d: &BifurcationDiagram| DiagramAnswer {
             gap_mm: d.gap_mm,
             direction: d.direction.name(),
             frequencies: d.stations.len(),

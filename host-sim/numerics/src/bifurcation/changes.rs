@@ -4,15 +4,15 @@ use serde::Serialize;
 
 use shared::model::regime::Regime;
 
-use super::{Diagram, Station};
+use super::{BifurcationDiagram, Station};
 use crate::error::Error;
-use crate::lanes::{Cell, Outcome};
+use crate::lanes::{Cell, CellOutcome};
 use crate::row::{Outcome as Ended, kind, regime_as_text};
 
 /// What happens between two neighbouring frequencies, read by rising frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ChangeKind {
     /// n and p become twice as many.
     Doubling,
     /// n and p become half as many.
@@ -33,7 +33,7 @@ pub enum Kind {
     Jump,
 }
 
-impl Kind {
+impl ChangeKind {
     /// For a person.
     pub fn words(self) -> &'static str {
         match self {
@@ -52,9 +52,9 @@ impl Kind {
 
 /// A change between two neighbouring frequencies.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Change {
+pub struct RegimeChange {
     /// What.
-    pub kind: Kind,
+    pub kind: ChangeKind,
     /// Regime below.
     #[serde(serialize_with = "regime_as_text")]
     pub below: Regime,
@@ -110,7 +110,7 @@ const HALVINGS: usize = 10;
 /// Beside a doubling transients are long: a few stations there may not have settled. Where they alone part a motion from
 /// the same one doubled or halved, that is one change. Of stations none of which has settled nothing is known: there is no
 /// change to or from them.
-pub fn find(diagram: &Diagram) -> Vec<Change> {
+pub fn find(diagram: &BifurcationDiagram) -> Vec<RegimeChange> {
     let stations = &diagram.stations;
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     for k in 0..stations.len() {
@@ -131,11 +131,13 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
         let run = runs[at].clone();
         let amplitude_mm = diagram.params.amplitude_m * 1e3;
         let leaping = (run.start + 1..run.end).filter(|k| leaps(stations, *k, amplitude_mm));
-        changes.extend(leaping.map(|k| change(diagram, k - 1..k, Kind::Jump, run.len() > LASTING)));
+        changes.extend(
+            leaping.map(|k| change(diagram, k - 1..k, ChangeKind::Jump, run.len() > LASTING)),
+        );
         let next = |ahead: usize| runs.get(at + ahead);
         let over = next(1).filter(|r| few(r)).and_then(|_| next(2));
         let ahead = match over.map(|r| between(&stations[run.end - 1], &stations[r.start])) {
-            Some(Some(Kind::Doubling | Kind::Halving)) => 2,
+            Some(Some(ChangeKind::Doubling | ChangeKind::Halving)) => 2,
             Some(_) if next(1).is_some_and(|r| !known(r)) => 2,
             _ => 1,
         };
@@ -155,11 +157,16 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
 }
 
 /// The change between the stations at both ends of `span`.
-fn change(diagram: &Diagram, span: std::ops::Range<usize>, kind: Kind, lasting: bool) -> Change {
+fn change(
+    diagram: &BifurcationDiagram,
+    span: std::ops::Range<usize>,
+    kind: ChangeKind,
+    lasting: bool,
+) -> RegimeChange {
     let (a, b) = (&diagram.stations[span.start], &diagram.stations[span.end]);
     let (low, high) = (a.row.frequency_hz, b.row.frequency_hz);
     let frequency_hz = 0.5 * (low + high);
-    Change {
+    RegimeChange {
         kind,
         below: label(a),
         above: label(b),
@@ -193,28 +200,28 @@ fn alike(a: &Station, b: &Station) -> bool {
 const APERIODIC: Regime = Regime::Aperiodic { impacts: 0 };
 
 /// What lies between two motions; none if they have the same name, or if one of them is not known.
-fn between(a: &Station, b: &Station) -> Option<Kind> {
+fn between(a: &Station, b: &Station) -> Option<ChangeKind> {
     if a.row.failed || b.row.failed || label(a) == label(b) {
         return None;
     }
     let (a, b) = (label(a), label(b));
     Some(match (a.periods(), b.periods()) {
-        _ if a == Regime::None => Kind::ContactBegins,
-        _ if b == Regime::None => Kind::ContactEnds,
-        (Some(_), None) => Kind::LosesPeriod,
-        (None, Some(_)) => Kind::FindsPeriod,
-        (None, None) => Kind::Other,
+        _ if a == Regime::None => ChangeKind::ContactBegins,
+        _ if b == Regime::None => ChangeKind::ContactEnds,
+        (Some(_), None) => ChangeKind::LosesPeriod,
+        (None, Some(_)) => ChangeKind::FindsPeriod,
+        (None, None) => ChangeKind::Other,
         (Some(n), Some(m)) => {
             let (p, q) = (u32::from(a.impacts()), u32::from(b.impacts()));
             let (n, m) = (u32::from(n), u32::from(m));
             if m == 2 * n && q == 2 * p {
-                Kind::Doubling
+                ChangeKind::Doubling
             } else if n == 2 * m && p == 2 * q {
-                Kind::Halving
+                ChangeKind::Halving
             } else if n == m && p != q {
-                Kind::Contacts
+                ChangeKind::Contacts
             } else {
-                Kind::Other
+                ChangeKind::Other
             }
         }
     })
@@ -251,15 +258,15 @@ fn moved(a: &Station, b: &Station) -> Option<f64> {
 /// Narrows the lasting changes of a diagram down by halving the interval between the two frequencies, each run
 /// beginning where the frequency on the side one comes from began.
 pub fn locate(
-    diagram: &mut Diagram,
-    run: &impl Fn(&[Cell]) -> Result<Vec<Option<Outcome>>, Error>,
+    diagram: &mut BifurcationDiagram,
+    run: &impl Fn(&[Cell]) -> Result<Vec<Option<CellOutcome>>, Error>,
 ) -> Result<(), Error> {
     let down = diagram.direction == crate::sweep::Direction::Down;
     let natural = diagram.params.natural_frequency_hz();
     // Of each change: its interval, and the state to begin from.
     let mut open: Vec<(usize, f64, f64, [f64; 2])> = Vec::new();
     for (i, change) in diagram.changes.iter().enumerate() {
-        if change.lasting && change.kind != Kind::Jump {
+        if change.lasting && change.kind != ChangeKind::Jump {
             let (a, b) = (
                 &diagram.stations[change.span.start],
                 &diagram.stations[change.span.end],
@@ -312,9 +319,10 @@ fn is_chaos(regime: Regime) -> bool {
 }
 
 /// Where the diagrams up and down differ: [`crate::sweep::jumps`] of their forces at a fifth, as ranges.
-pub fn twofold(up: &Diagram, down: &Diagram) -> Vec<Twofold> {
+pub fn twofold(up: &BifurcationDiagram, down: &BifurcationDiagram) -> Vec<Twofold> {
     const SHARE: f64 = 0.2;
-    let rows = |d: &Diagram| d.stations.iter().map(|s| s.row.clone()).collect::<Vec<_>>();
+    let rows =
+        |d: &BifurcationDiagram| d.stations.iter().map(|s| s.row.clone()).collect::<Vec<_>>();
     let (up_rows, down_rows) = (rows(up), rows(down));
     let weight = up.params.weight_n();
     let differing = crate::sweep::jumps(&up_rows, &down_rows, weight, SHARE);

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::Diagram;
+use super::BifurcationDiagram;
 
 /// Measured points, as read.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct MeasuredDiagram {
     /// (frequency in Hz, displacement at drive phase 0 in mm); empty without that column.
     pub displacement_mm: Vec<(f64, f64)>,
     /// (frequency in Hz, contact force in N); empty without that column.
@@ -26,22 +26,22 @@ pub struct Distance {
     pub largest: f64,
 }
 
-impl Measured {
+impl MeasuredDiagram {
     /// Distance of the displacements to `diagram`.
-    pub fn displacement_distance(&self, diagram: &Diagram) -> Distance {
+    pub fn displacement_distance(&self, diagram: &BifurcationDiagram) -> Distance {
         distance(&self.displacement_mm, diagram, |p| p.displacement_mm)
     }
 
     /// Distance of the forces to `diagram`.
-    pub fn force_distance(&self, diagram: &Diagram) -> Distance {
+    pub fn force_distance(&self, diagram: &BifurcationDiagram) -> Distance {
         distance(&self.force_n, diagram, |p| p.force_n)
     }
 }
 
 fn distance(
     measured: &[(f64, f64)],
-    diagram: &Diagram,
-    value: impl Fn(&super::Point) -> f64,
+    diagram: &BifurcationDiagram,
+    value: impl Fn(&super::DiagramPoint) -> f64,
 ) -> Distance {
     let stations = &diagram.stations;
     let nearest = |(hz, y): &(f64, f64)| {

@@ -15,18 +15,18 @@ use shared::model::rig::Rig;
 
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
+use crate::lanes::{self, Cell, CellOutcome, CellPlan, LaneStrobe};
 use crate::progress::{Progress, check, step};
 use crate::row::CartModel;
 use crate::row::NamedRig;
-use crate::row::{Outcome as Ended, Row, tidy};
+use crate::row::{Outcome as Ended, RunRow, tidy};
 use crate::sweep::Direction;
 
-pub use changes::{Change, Kind, Twofold};
+pub use changes::{ChangeKind, RegimeChange, Twofold};
 
 /// One point of a diagram, as a table shows it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PointRow {
+pub struct SectionPointRow {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// "rest", "up" or "down".
@@ -53,7 +53,7 @@ pub struct PointRow {
 
 /// A point of the section in a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct DiagramPoint {
     /// Displacement, mm.
     pub displacement_mm: f64,
     /// Rate, m/s.
@@ -68,9 +68,9 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
     /// Regime and force, as in a [`mod@crate::sweep`].
-    pub row: Row,
+    pub row: RunRow,
     /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
-    pub points: Vec<Point>,
+    pub points: Vec<DiagramPoint>,
     /// Whether the two halves of its repetition move apart over what is recorded.
     pub grows: bool,
     /// Coordinate and rate it began from.
@@ -81,7 +81,7 @@ pub struct Station {
 
 /// The diagram of one gap and direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Diagram {
+pub struct BifurcationDiagram {
     /// The rig, with the gap.
     pub params: RigParams,
     /// Clearance at rest, mm.
@@ -91,7 +91,7 @@ pub struct Diagram {
     /// By rising frequency, whatever the direction.
     pub stations: Vec<Station>,
     /// Where the number of branches changes, or a branch breaks off.
-    pub changes: Vec<Change>,
+    pub changes: Vec<RegimeChange>,
 }
 
 /// What to compute.
@@ -119,7 +119,7 @@ impl DiagramRequest {
         (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64
     }
 
-    fn run(&self, cells: &[Cell]) -> Vec<Result<Outcome, Error>> {
+    fn run(&self, cells: &[Cell]) -> Vec<Result<CellOutcome, Error>> {
         match self.engine {
             Engine::Event => lanes::run_each(cells, &self.plan),
             Engine::Switch(_) => lanes::each_by_engine(self.engine, cells, &self.plan),
@@ -145,7 +145,10 @@ struct Chain {
 ///
 /// # Errors
 /// If a parameter or a frequency is out of range, if every run fails, or if the work is interrupted.
-pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
+pub fn diagrams(
+    request: &DiagramRequest,
+    progress: &dyn Progress,
+) -> Result<Vec<BifurcationDiagram>, Error> {
     let mut chains = Vec::new();
     for gap_mm in &request.gaps_mm {
         let params = request.rig.params.with_gap_mm(*gap_mm)?;
@@ -172,7 +175,7 @@ pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec
     }
     let mut diagrams = Vec::with_capacity(chains.len());
     for (chain, stations) in chains.into_iter().zip(stations) {
-        let mut diagram = Diagram {
+        let mut diagram = BifurcationDiagram {
             params: chain.params,
             gap_mm: chain.gap_mm,
             direction: chain.direction,
@@ -274,12 +277,12 @@ fn ended(
     rig_name: &str,
     chain: &Chain,
     cell: &Cell,
-    outcome: Result<Outcome, Error>,
+    outcome: Result<CellOutcome, Error>,
 ) -> Result<Station, Error> {
     match lanes::or_failed(outcome)? {
         Some(outcome) => station(rig_name, cell, &outcome),
         None => Ok(Station {
-            row: Row::failed(rig_name, &cell.params, cell.frequency_hz),
+            row: RunRow::failed(rig_name, &cell.params, cell.frequency_hz),
             points: Vec::new(),
             grows: false,
             start: cell.start,
@@ -289,10 +292,10 @@ fn ended(
 }
 
 /// What a cell's outcome is in a diagram.
-fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Error> {
+fn station(rig_name: &str, cell: &Cell, outcome: &CellOutcome) -> Result<Station, Error> {
     let params = &cell.params;
     let rig = Rig::<f64>::new(params)?;
-    let point = |s: &Strobe| Point {
+    let point = |s: &LaneStrobe| DiagramPoint {
         displacement_mm: rig.relative_displacement(s.q) * 1e3,
         velocity_m_per_s: rig.kinematics(s.q, s.v).rate,
         force_n: s.force_n,
@@ -300,11 +303,11 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
     };
     let repeats = outcome.regime.periods().map_or(usize::MAX, usize::from);
     let from = outcome.strobes.len().saturating_sub(repeats);
-    let alternation = |strobes: &[Strobe]| (strobes[0].q - strobes[repeats / 2].q).abs();
+    let alternation = |strobes: &[LaneStrobe]| (strobes[0].q - strobes[repeats / 2].q).abs();
     let grows = (2..=outcome.strobes.len()).contains(&repeats)
         && alternation(&outcome.strobes[from..]) > alternation(&outcome.strobes);
     Ok(Station {
-        row: Row {
+        row: RunRow {
             impacts: outcome.regime.impacts(),
             periods: outcome.regime.periods(),
             regime: outcome.regime,
@@ -312,7 +315,7 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
             force_n: outcome.force_n,
             unsettled: outcome.unsettled,
             failed: false,
-            ..Row::failed(rig_name, params, cell.frequency_hz)
+            ..RunRow::failed(rig_name, params, cell.frequency_hz)
         },
         points: outcome.strobes[from..].iter().map(point).collect(),
         grows,
@@ -322,13 +325,13 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
 }
 
 /// Every point of every diagram, in their order.
-pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
+pub fn rows(diagrams: &[BifurcationDiagram]) -> Vec<SectionPointRow> {
     let mut rows = Vec::new();
     for diagram in diagrams {
         let weight = diagram.params.weight_n();
         let cart = CartModel::of(&diagram.params);
         for station in &diagram.stations {
-            let row = |p: Option<&Point>| PointRow {
+            let row = |p: Option<&DiagramPoint>| SectionPointRow {
                 gap_mm: diagram.gap_mm,
                 direction: diagram.direction.name(),
                 frequency_hz: station.row.frequency_hz,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{ComparisonRequest, Frame, FrequencySource, Simulated};
+use super::{ComparisonRequest, FrequencySource, MeasuredFrame, SimulatedMotion};
 use crate::error::{Error, RecordError};
 use crate::identify::{EVERY_CONTACT, measure};
 use crate::root::maximum;
@@ -156,7 +156,7 @@ impl Swing {
 
 /// What is to be added to the record's times so that it lies best over the simulation, s, and the misfit there
 /// (the share of the record's square that is left).
-pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64) {
+pub fn shift(signal: &Signal, simulated: &SimulatedMotion, frame: MeasuredFrame) -> (f64, f64) {
     let period = 1.0 / simulated.frequency_hz;
     let misfit = |shift: f64| left(signal, simulated, frame, shift);
     let least = |tried: &mut dyn Iterator<Item = f64>| {
@@ -197,7 +197,7 @@ pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64)
 
 /// Shifts that lay a contact in the middle of a force record over each of the simulation's, and how far off they may be
 /// (half a contact), s. A contact is far shorter than a [`SHIFTS`]th of a period: it would be missed.
-fn by_contacts(signal: &Signal, simulated: &Simulated) -> Option<(Vec<f64>, f64)> {
+fn by_contacts(signal: &Signal, simulated: &SimulatedMotion) -> Option<(Vec<f64>, f64)> {
     let measured = measure(signal, &EVERY_CONTACT).ok()?;
     let middle = measured.impacts.get(measured.impacts.len() / 2)?;
     let contacts = simulated.contacts(measured.threshold_n);
@@ -214,7 +214,7 @@ pub fn cart_swing(signal: &Signal, cart: &[f64], hz: f64) -> Option<(f64, f64)> 
 }
 
 /// Share of the record's square about its mean that a shift leaves: of the displacement, or else of the force.
-fn left(signal: &Signal, simulated: &Simulated, frame: Frame, shift: f64) -> f64 {
+fn left(signal: &Signal, simulated: &SimulatedMotion, frame: MeasuredFrame, shift: f64) -> f64 {
     let values = signal.displacement_mm.as_ref().or(signal.force_n.as_ref());
     let Some(values) = values else {
         return f64::INFINITY;

@@ -10,15 +10,15 @@ use shared::model::regime::Regime;
 
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, RecordError};
-use crate::identify::{EVERY_CONTACT, Measured, measure};
+use crate::identify::{EVERY_CONTACT, MeasuredImpacts, measure};
 use crate::signal::Signal;
 pub use align::pitch;
-pub use simulated::{At, Simulated};
+pub use simulated::{SimulatedInstant, SimulatedMotion};
 
 /// In which frame the measured displacement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Frame {
+pub enum MeasuredFrame {
     /// Of the laboratory, as the chapter's (3-18)
     Fixed,
     /// Relative to the cart
@@ -39,12 +39,12 @@ pub struct ComparisonRequest {
     /// How long is simulated before it is compared.
     pub plan: Plan,
     /// The frame of the measured displacement.
-    pub frame: Frame,
+    pub frame: MeasuredFrame,
 }
 
 /// One measured sample and the simulation at that instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ComparedSample {
     /// The record's own time, s.
     pub time_s: f64,
     /// Drive phase, turns.
@@ -113,7 +113,7 @@ pub enum Note {
 
 /// How far apart they are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Errors {
+pub struct ComparisonErrors {
     /// The drive, Hz.
     pub frequency_hz: f64,
     /// Ω/ω.
@@ -166,11 +166,11 @@ pub struct Errors {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// The figures.
-    pub errors: Errors,
+    pub errors: ComparisonErrors,
     /// Sample by sample.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ComparedSample>,
     /// The simulated motion over its period.
-    pub simulated: Simulated,
+    pub simulated: SimulatedMotion,
 }
 
 /// Lays `signal` over a simulation.
@@ -180,10 +180,10 @@ pub struct Comparison {
 /// than one drive period.
 pub fn compare(signal: &Signal, question: &ComparisonRequest) -> Result<Comparison, Error> {
     let (candidates, from) = align::drive(signal, question)?;
-    let mut best: Option<(f64, Simulated, f64)> = None;
+    let mut best: Option<(f64, SimulatedMotion, f64)> = None;
     let mut refused = None;
     for frequency_hz in candidates {
-        let simulated = match Simulated::new(question, frequency_hz) {
+        let simulated = match SimulatedMotion::new(question, frequency_hz) {
             Ok(simulated) => simulated,
             Err(error) => {
                 refused = Some(error);
@@ -214,14 +214,19 @@ pub fn compare(signal: &Signal, question: &ComparisonRequest) -> Result<Comparis
     })
 }
 
-fn rows(signal: &Signal, simulated: &Simulated, shift_s: f64, frame: Frame) -> Vec<Row> {
+fn rows(
+    signal: &Signal,
+    simulated: &SimulatedMotion,
+    shift_s: f64,
+    frame: MeasuredFrame,
+) -> Vec<ComparedSample> {
     let velocity = signal
         .displacement_mm
         .as_ref()
         .map(|d| align::rate(&signal.time_s, d, 0.01 / simulated.frequency_hz));
     let row = |(i, t): (usize, &f64)| {
         let at = simulated.at(t + shift_s, frame);
-        Row {
+        ComparedSample {
             time_s: *t,
             drive_phase: ((t + shift_s) * simulated.frequency_hz).rem_euclid(1.0),
             measured_displacement_mm: signal.displacement_mm.as_ref().map(|d| d[i]),
@@ -239,10 +244,10 @@ fn rows(signal: &Signal, simulated: &Simulated, shift_s: f64, frame: Frame) -> V
 fn errors(
     signal: &Signal,
     question: &ComparisonRequest,
-    simulated: &Simulated,
+    simulated: &SimulatedMotion,
     (shift_s, frequency_from): (f64, FrequencySource),
-    rows: &[Row],
-) -> Errors {
+    rows: &[ComparedSample],
+) -> ComparisonErrors {
     let displacement = Difference::of(
         rows,
         |r| r.measured_displacement_mm,
@@ -260,7 +265,7 @@ fn errors(
         .as_ref()
         .and_then(|cart| align::cart_swing(signal, cart, simulated.frequency_hz))
         .map(|(amplitude, _)| amplitude);
-    let mut errors = Errors {
+    let mut errors = ComparisonErrors {
         frequency_hz: simulated.frequency_hz,
         frequency_ratio: simulated.frequency_hz / question.params.natural_frequency_hz(),
         frequency_from,
@@ -301,7 +306,11 @@ struct Difference {
 
 impl Difference {
     /// `None` if a sample was not measured.
-    fn of(rows: &[Row], measured: fn(&Row) -> Option<f64>, model: fn(&Row) -> f64) -> Option<Self> {
+    fn of(
+        rows: &[ComparedSample],
+        measured: fn(&ComparedSample) -> Option<f64>,
+        model: fn(&ComparedSample) -> f64,
+    ) -> Option<Self> {
         let each: Option<Vec<f64>> = rows.iter().map(|r| Some(model(r) - measured(r)?)).collect();
         each.map(|all| {
             let n = all.len() as f64;
@@ -337,7 +346,7 @@ struct Contacts {
 
 impl Contacts {
     /// `None` if no contact stands out in it.
-    fn of(found: &Measured) -> Option<Self> {
+    fn of(found: &MeasuredImpacts) -> Option<Self> {
         if found.impacts.is_empty() {
             return None;
         }
@@ -362,8 +371,8 @@ impl Contacts {
 fn notes(
     signal: &Signal,
     question: &ComparisonRequest,
-    simulated: &Simulated,
-    errors: &Errors,
+    simulated: &SimulatedMotion,
+    errors: &ComparisonErrors,
     contacts: Option<Contacts>,
 ) -> Vec<Note> {
     let mut notes = Vec::new();

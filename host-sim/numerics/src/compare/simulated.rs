@@ -2,10 +2,10 @@
 
 use shared::model::regime::Regime;
 
-use crate::engine::{Plan, Recorder, Sample, machine, observe};
+use crate::engine::{CycleRecorder, Plan, RecordedSample, machine, observe};
 use crate::error::Error;
 
-use super::{ComparisonRequest, Frame};
+use super::{ComparisonRequest, MeasuredFrame};
 
 /// Time between samples kept, s: ten to a contact.
 const SAMPLE_S: f64 = 5e-5;
@@ -18,7 +18,7 @@ const UNREPEATED: u32 = 16;
 
 /// A settled motion.
 #[derive(Clone, Debug)]
-pub struct Simulated {
+pub struct SimulatedMotion {
     /// The drive, Hz.
     pub frequency_hz: f64,
     /// "p/n", "none", "aperiodic" or "chatter".
@@ -32,12 +32,12 @@ pub struct Simulated {
     /// Contacts over drive periods.
     pub contacts_per_period: f64,
     /// Section points in both frames are the samples at whole periods; here all samples, time from drive phase 0.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<RecordedSample>,
 }
 
 /// The motion at an instant, in the frame asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct At {
+pub struct SimulatedInstant {
     /// mm.
     pub displacement_mm: f64,
     /// m/s.
@@ -46,7 +46,7 @@ pub struct At {
     pub force_n: f64,
 }
 
-impl Simulated {
+impl SimulatedMotion {
     /// The hammer of `question` driven at `frequency_hz` from its start, settled.
     ///
     /// # Errors
@@ -72,11 +72,11 @@ impl Simulated {
             cycles: plan.cycles - UNREPEATED,
             transient: plan.transient.min(plan.cycles - UNREPEATED - 1),
         };
-        let mut quiet = Recorder::default();
+        let mut quiet = CycleRecorder::default();
         let settled = observe(hammer.as_mut(), early, &mut quiet)?;
-        let mut recorder = Recorder {
+        let mut recorder = CycleRecorder {
             samples_per_period: per_period as usize,
-            ..Recorder::default()
+            ..CycleRecorder::default()
         };
         let last = Plan {
             cycles: UNREPEATED,
@@ -117,7 +117,7 @@ impl Simulated {
     }
 
     /// The motion at `time_s` after drive phase 0 (any number of repetitions on).
-    pub fn at(&self, time_s: f64, frame: Frame) -> At {
+    pub fn at(&self, time_s: f64, frame: MeasuredFrame) -> SimulatedInstant {
         let span = self.span_s();
         let time = time_s.rem_euclid(span);
         let n = self.samples.len();
@@ -140,7 +140,7 @@ impl Simulated {
         };
         let mix = |x: f64, y: f64| x + share * (y - x);
         let (da, db) = (frame.of(a), frame.of(b));
-        At {
+        SimulatedInstant {
             displacement_mm: mix(da.0, db.0),
             velocity_m_per_s: mix(da.1, db.1),
             force_n: mix(a.force_n, b.force_n),
@@ -148,7 +148,11 @@ impl Simulated {
     }
 
     /// The motion at its own instants from `from_s` to `to_s`, s, each with its instant: no contact is missed in between.
-    pub fn between(&self, (from_s, to_s): (f64, f64), frame: Frame) -> Vec<(f64, At)> {
+    pub fn between(
+        &self,
+        (from_s, to_s): (f64, f64),
+        frame: MeasuredFrame,
+    ) -> Vec<(f64, SimulatedInstant)> {
         let span = self.span_s();
         let turns = (from_s / span).floor() as i64..=(to_s / span).floor() as i64;
         let all = turns.flat_map(|turn| {
@@ -159,7 +163,7 @@ impl Simulated {
             .map(|(time_s, sample)| {
                 let (displacement_mm, velocity_m_per_s) = frame.of(sample);
                 let force_n = sample.force_n;
-                let at = At {
+                let at = SimulatedInstant {
                     displacement_mm,
                     velocity_m_per_s,
                     force_n,
@@ -185,12 +189,12 @@ impl Simulated {
         // Round the repetition from a sample without contact on: none is cut in two.
         let begin = (self.samples.iter()).position(|s| s.force_n <= threshold_n);
         for k in begin.map_or(0..0, |begin| begin..begin + n) {
-            let nth = |k: usize| Sample {
+            let nth = |k: usize| RecordedSample {
                 time_s: self.samples[k % n].time_s + (k / n) as f64 * self.span_s(),
                 ..self.samples[k % n]
             };
             let (a, b) = (nth(k), nth(k + 1));
-            let crossing = |a: Sample, b: Sample| {
+            let crossing = |a: RecordedSample, b: RecordedSample| {
                 let share = (threshold_n - a.force_n) / (b.force_n - a.force_n);
                 a.time_s + share * (b.time_s - a.time_s)
             };
@@ -213,13 +217,13 @@ impl Simulated {
     }
 
     /// Farthest to farthest, mm.
-    pub fn peak_to_peak_mm(&self, frame: Frame) -> f64 {
+    pub fn peak_to_peak_mm(&self, frame: MeasuredFrame) -> f64 {
         let all = || self.samples.iter().map(|s| frame.of(s).0);
         all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
     }
 
     /// Displacement (mm) and velocity (m/s) at each drive phase 0.
-    pub fn section(&self, frame: Frame) -> Vec<(f64, f64)> {
+    pub fn section(&self, frame: MeasuredFrame) -> Vec<(f64, f64)> {
         let at = |k: u32| {
             let at = self.at(f64::from(k) / self.frequency_hz, frame);
             (at.displacement_mm, at.velocity_m_per_s)
@@ -229,13 +233,13 @@ impl Simulated {
 }
 
 /// `samples` with each onset twice: the force jumps there, and would else rise from the last sample of the flight on.
-fn with_jumps(samples: Vec<Sample>) -> Vec<Sample> {
+fn with_jumps(samples: Vec<RecordedSample>) -> Vec<RecordedSample> {
     let mut all = Vec::with_capacity(samples.len());
     let mut touched = true;
     for sample in samples {
         let touches = sample.force_n > 0.0;
         if touches && !touched {
-            all.push(Sample {
+            all.push(RecordedSample {
                 force_n: 0.0,
                 ..sample
             });
@@ -246,9 +250,9 @@ fn with_jumps(samples: Vec<Sample>) -> Vec<Sample> {
     all
 }
 
-impl Frame {
+impl MeasuredFrame {
     /// Displacement (mm) and velocity (m/s) of a sample in this frame.
-    pub fn of(self, sample: &Sample) -> (f64, f64) {
+    pub fn of(self, sample: &RecordedSample) -> (f64, f64) {
         match self {
             Self::Fixed => (sample.displacement_mm, sample.velocity_m_per_s),
             Self::Relative => (

@@ -1,5 +1,5 @@
 use super::*;
-use crate::engine::{Recorder, Start, machine, observe};
+use crate::engine::{CycleRecorder, Start, machine, observe};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{BEAM_170, WIRES};
 
@@ -37,9 +37,9 @@ fn recorded(
     spoil: impl Fn(usize) -> f64,
 ) -> Signal {
     let mut hammer = machine(Engine::Event, params, frequency_hz, start).unwrap();
-    let mut recorder = Recorder {
+    let mut recorder = CycleRecorder {
         samples_per_period: (rate_hz / frequency_hz) as usize,
-        ..Recorder::default()
+        ..CycleRecorder::default()
     };
     observe(hammer.as_mut(), PLAN, &mut recorder).unwrap();
     let begin = f64::from(PLAN.transient) / frequency_hz + lead_s;
@@ -69,7 +69,7 @@ fn question(frequency_hz: Option<f64>) -> ComparisonRequest {
         start: Start::Rest,
         frequency_hz,
         plan: PLAN,
-        frame: Frame::Fixed,
+        frame: MeasuredFrame::Fixed,
     }
 }
 
@@ -125,7 +125,7 @@ fn sampled_evenly_it_has_its_own_contact_time_and_impulse() {
                 [e.measured_contact_time_ms, e.simulated_contact_time_ms].map(Option::unwrap);
             let off = |a: f64, b: f64| (a / b - 1.0).abs();
             assert!(off(measured, simulated) < 0.05, "{sample_s} {e:?}");
-            let sum = |force: fn(&Row) -> f64| seen.rows.iter().map(force).sum::<f64>();
+            let sum = |force: fn(&ComparedSample) -> f64| seen.rows.iter().map(force).sum::<f64>();
             let impulses = (
                 sum(|r| r.measured_force_n.unwrap()),
                 sum(|r| r.simulated_force_n),
@@ -204,7 +204,7 @@ fn a_simulation_at_its_own_instants_has_every_contact() {
     let period_s = 1.0 / hz;
     for k in [-3.0, 0.0, 4.5] {
         let between = (k * period_s, (k + 1.0) * period_s);
-        let motion = simulated.between(between, Frame::Relative);
+        let motion = simulated.between(between, MeasuredFrame::Relative);
         assert!(motion.is_sorted_by(|a, b| a.0 <= b.0));
         let largest = motion.iter().map(|(_, at)| at.force_n).fold(0.0, f64::max);
         // The peak itself is between two of its samples.

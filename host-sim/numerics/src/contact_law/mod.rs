@@ -49,7 +49,7 @@ pub fn one_contact(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Course> {
 
 /// The figures of one contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ContactFigures {
     /// The law's name.
     pub law: String,
     /// Approach speed, m/s.
@@ -86,7 +86,12 @@ pub struct Row {
 ///
 /// # Errors
 /// If a parameter is out of range, or a contact does not end.
-pub fn rows(name: &str, law: Law<f64>, mass_kg: f64, speeds: &[f64]) -> Result<Vec<Row>, Error> {
+pub fn rows(
+    name: &str,
+    law: Law<f64>,
+    mass_kg: f64,
+    speeds: &[f64],
+) -> Result<Vec<ContactFigures>, Error> {
     let params = free_mass(mass_kg, law);
     let rig = Rig::<f64>::new(&params)?;
     let row = |speed: &f64| {
@@ -100,7 +105,13 @@ pub fn rows(name: &str, law: Law<f64>, mass_kg: f64, speeds: &[f64]) -> Result<V
     speeds.iter().map(row).collect()
 }
 
-fn row(name: &str, params: &RigParams, rig: &Rig<f64>, course: &Course, pull: &Pull) -> Row {
+fn row(
+    name: &str,
+    params: &RigParams,
+    rig: &Rig<f64>,
+    course: &Course,
+    pull: &Pull,
+) -> ContactFigures {
     let contact = &course.contact;
     let (v, u) = (
         contact.approach_speed_m_per_s,
@@ -113,7 +124,7 @@ fn row(name: &str, params: &RigParams, rig: &Rig<f64>, course: &Course, pull: &P
     let deepest = motion(rig, course, 400)
         .iter()
         .fold(0.0_f64, |d, p| d.max(p.penetration_m));
-    Row {
+    ContactFigures {
         law: name.to_owned(),
         approach_speed_m_per_s: crate::row::tidy(v),
         contact_time_ms: contact.duration_s * 1e3,

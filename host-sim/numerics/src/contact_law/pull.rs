@@ -1,10 +1,10 @@
 //! What a law would do if nothing kept it from pulling.
 
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 
 use super::undriven::Course;
 use crate::flow::reached;
-use crate::reference::Point;
+use crate::reference::FlowPoint;
 use crate::reference::flow::HammerFlow;
 use crate::root::halved;
 
@@ -40,7 +40,7 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
         rig,
         omega: 0.0,
         drive_acceleration: 0.0,
-        mode: Mode::Contact,
+        mode: SwitchMode::Contact,
         approach,
         smoothed: None,
         recoil: None,
@@ -48,12 +48,12 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
     };
     let h = contact.duration_s / STEPS;
     let (q, v) = course.release;
-    let mut point = Point::on_course(0.0, q, v);
+    let mut point = FlowPoint::on_course(0.0, q, v);
     if rig.kinematics(q, v).delta <= NOTHING_LEFT * h * approach {
         return Some(pull);
     }
-    let delta = |p: &Point<f64>| rig.kinematics(p.q, p.v).delta;
-    let enter = |pull: &mut Pull, p: &Point<f64>| {
+    let delta = |p: &FlowPoint<f64>| rig.kinematics(p.q, p.v).delta;
+    let enter = |pull: &mut Pull, p: &FlowPoint<f64>| {
         let at = rig.kinematics(p.q, p.v);
         let force = rig.force(&at, approach);
         pull.force_n = pull.force_n.max(-force);

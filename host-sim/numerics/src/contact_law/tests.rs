@@ -5,7 +5,7 @@ use shared::model::contact::TABLE_3_1;
 
 const MASS_KG: f64 = 0.298;
 
-fn one(law: Law<f64>, mass_kg: f64, speed: f64) -> Row {
+fn one(law: Law<f64>, mass_kg: f64, speed: f64) -> ContactFigures {
     rows("law", law, mass_kg, &[speed]).unwrap().remove(0)
 }
 

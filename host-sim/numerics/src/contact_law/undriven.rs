@@ -3,11 +3,11 @@
 //! It is the reference ([`crate::reference`]) in a cart that stands still, a step at a time, and errors are weighed by this
 //! motion's own size, not by a drive's.
 
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 
-use crate::flow::Ended;
+use crate::flow::StepEnded;
 use crate::reference::switching::Arc;
-use crate::reference::{Contact, Observer, Point, Reference, Segment};
+use crate::reference::{FlowPoint, LocatedContact, Reference, Segment, TrajectoryObserver};
 
 /// Errors per step are kept below this share of the motion's size.
 const TOLERANCE: f64 = 1e-12;
@@ -17,18 +17,18 @@ const MAX_STEPS: usize = 20_000;
 
 /// A smooth piece of the motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece {
+pub struct MotionPiece {
     /// When it begins, s since the release.
     pub start_s: f64,
     /// Coordinate and rate within it (quintic).
     pub arc: Arc,
     /// Side of the switch.
-    pub mode: Mode,
+    pub mode: SwitchMode,
     /// δ̇⁻, m/s.
     pub approach: f64,
 }
 
-impl From<&Segment<'_>> for Piece {
+impl From<&Segment<'_>> for MotionPiece {
     fn from(segment: &Segment) -> Self {
         Self {
             start_s: segment.start.t,
@@ -39,7 +39,7 @@ impl From<&Segment<'_>> for Piece {
     }
 }
 
-impl Piece {
+impl MotionPiece {
     /// When it ends, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.arc.length
@@ -53,8 +53,8 @@ impl Piece {
     /// Contact force at `time_s`, N.
     pub fn force(&self, rig: &Rig<f64>, time_s: f64) -> f64 {
         match self.mode {
-            Mode::Flight => 0.0,
-            Mode::Contact => {
+            SwitchMode::Flight => 0.0,
+            SwitchMode::Contact => {
                 let (q, v) = self.at(time_s);
                 rig.force(&rig.kinematics(q, v), self.approach).max(0.0)
             }
@@ -66,9 +66,9 @@ impl Piece {
 #[derive(Clone, Debug)]
 pub struct Course {
     /// Its figures; times are seconds since the release.
-    pub contact: Contact,
+    pub contact: LocatedContact,
     /// Its pieces, in time.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<MotionPiece>,
     /// Coordinate and rate at its end.
     pub release: (f64, f64),
 }
@@ -90,16 +90,16 @@ impl Course {
 #[derive(Clone, Debug, Default)]
 pub struct Track {
     /// Its pieces, in time.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<MotionPiece>,
     /// The last contact that ended.
-    contact: Option<Contact>,
+    contact: Option<LocatedContact>,
 }
 
-impl Observer for Track {
+impl TrajectoryObserver for Track {
     fn segment(&mut self, segment: &Segment) {
         self.pieces.push(segment.into());
     }
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &LocatedContact) {
         self.contact = Some(*contact);
     }
 }
@@ -121,16 +121,16 @@ impl Undriven {
     }
 
     /// Time since the release (s), coordinate and rate.
-    pub fn now(&self) -> Point<f64> {
+    pub fn now(&self) -> FlowPoint<f64> {
         self.hammer.point()
     }
 
     /// To the end of the next smooth piece; whether the side of the switch changed there. None where the motion cannot be
     /// followed.
-    pub fn advance(&mut self, observer: &mut impl Observer) -> Option<bool> {
+    pub fn advance(&mut self, observer: &mut impl TrajectoryObserver) -> Option<bool> {
         let ended = self.hammer.step_on(observer)?;
         let followed = self.now().q.is_finite();
-        followed.then_some(ended == Ended::Switched(()))
+        followed.then_some(ended == StepEnded::Switched(()))
     }
 
     /// Runs to the end of the next contact; `None` if it has not begun by `until_s`, or does not end.
@@ -153,7 +153,7 @@ impl Undriven {
             if self.advance(&mut track)? {
                 let end = self.now();
                 return Some(Course {
-                    contact: Contact {
+                    contact: LocatedContact {
                         duration_s: end.t - onset,
                         ..track.contact?
                     },

@@ -4,14 +4,14 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::diagram::{OrbitsRequest, diagram};
-use super::family::{Node, Place, ahead, dot, minus};
+use super::family::{CurvePlace, Node, ahead, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
 use crate::progress::{Progress, WithinStep, step};
 
 /// A line of special points of one kind, by rising gap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct SpecialLine {
     /// Which kind.
     pub special: Special,
     /// The orbits at which it happens.
@@ -19,7 +19,7 @@ pub struct Line {
 }
 
 /// Special points of neighbouring gaps belong to one line when their orbits are nearer than this plus what the line
-/// moved in the step before, in units of [`super::family::Place`].
+/// moved in the step before, in units of [`super::family::CurvePlace`].
 const NEAR: f64 = 0.35;
 
 /// The lines of special points of the 1/1 at `gaps_m` (rising), between two ratios Ω/ω. At each gap, simulations at
@@ -33,7 +33,7 @@ pub fn lines(
     ratios: (f64, f64),
     starts: usize,
     progress: &dyn Progress,
-) -> Result<Vec<Line>, Error> {
+) -> Result<Vec<SpecialLine>, Error> {
     let request = OrbitsRequest {
         along: Along::Frequency,
         limits: ratios,
@@ -59,9 +59,9 @@ pub fn lines(
 }
 
 /// Joins special points of one gap to those of the next.
-fn joined(gaps: &[Vec<Node>]) -> Vec<Line> {
-    let mut open: Vec<Line> = Vec::new();
-    let mut done: Vec<Line> = Vec::new();
+fn joined(gaps: &[Vec<Node>]) -> Vec<SpecialLine> {
+    let mut open: Vec<SpecialLine> = Vec::new();
+    let mut done: Vec<SpecialLine> = Vec::new();
     for nodes in gaps {
         let mut free: Vec<Option<&Node>> = nodes.iter().map(Some).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
@@ -93,7 +93,7 @@ fn joined(gaps: &[Vec<Node>]) -> Vec<Line> {
             }
         }
         let new = free.into_iter().flatten().filter_map(|node| {
-            Some(Line {
+            Some(SpecialLine {
                 special: node.special?,
                 nodes: vec![node.clone()],
             })
@@ -106,7 +106,7 @@ fn joined(gaps: &[Vec<Node>]) -> Vec<Line> {
     done
 }
 
-impl Line {
+impl SpecialLine {
     /// How far `node` is from where the line is heading, and how far it may be.
     fn apart(&self, node: &Node) -> (f64, f64) {
         let n = self.nodes.len();
@@ -114,7 +114,7 @@ impl Line {
         let before = self.nodes[n.saturating_sub(2)].place;
         let moved = minus(last, before);
         let expected = ahead(last, 1.0, moved);
-        let length = |d: Place| dot(d, d).sqrt();
+        let length = |d: CurvePlace| dot(d, d).sqrt();
         let off = length(minus(node.place, expected)).min(length(minus(node.place, last)));
         (off, NEAR + length(moved))
     }

@@ -4,9 +4,9 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use super::family::{Along, Family, Node, Place, UP, between, dot, minus};
+use super::family::{Along, CurvePlace, Family, Node, UP, between, dot, minus};
 use super::switching::doubled;
-use super::{End, Special, Until, march};
+use super::{CurveEnd, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan};
@@ -42,7 +42,7 @@ const STARTS: usize = 3;
 
 /// Where a curve was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum CurveOrigin {
     /// A simulation settled on it.
     Simulation,
     /// It leaves this curve (by index) at a period doubling.
@@ -51,17 +51,17 @@ pub enum Origin {
 
 /// A curve of orbits of one kind.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct OrbitCurve {
     /// Its orbits, in order along it.
     pub nodes: Vec<Node>,
     /// How it ends, at the first and at the last orbit.
-    pub ends: [End; 2],
+    pub ends: [CurveEnd; 2],
     /// Where it was found.
-    pub origin: Origin,
+    pub origin: CurveOrigin,
     family: Family,
 }
 
-impl Curve {
+impl OrbitCurve {
     /// Drive periods of its orbits.
     pub fn periods(&self) -> u8 {
         self.family.periods()
@@ -86,14 +86,14 @@ impl Curve {
     }
 
     /// The curve through `seed`, followed both ways.
-    fn through(family: Family, seed: Node, limits: (f64, f64), origin: Origin) -> Self {
+    fn through(family: Family, seed: Node, limits: (f64, f64), origin: CurveOrigin) -> Self {
         let back = seed.clone().turned();
         let ((ahead, high), (behind, low)) = rayon::join(
             || march(&family, &seed, limits, Until::End),
             || march(&family, &back, limits, Until::End),
         );
-        let (behind, low) = if high == End::Closed {
-            (Vec::new(), End::Closed)
+        let (behind, low) = if high == CurveEnd::Closed {
+            (Vec::new(), CurveEnd::Closed)
         } else {
             (behind, low)
         };
@@ -110,7 +110,7 @@ impl Curve {
 
     /// Whether one of its orbits at the parameter of `place` has a section point there, as the chord between two
     /// orbits tells.
-    fn is_near(&self, place: Place) -> bool {
+    fn is_near(&self, place: CurvePlace) -> bool {
         let parameter = place[2];
         self.nodes.windows(2).any(|pair| {
             let (a, b) = (&pair[0], &pair[1]);
@@ -147,7 +147,7 @@ impl Curve {
             guess[2] = parameter;
             let step = minus(b.place, a.place);
             // By the hammer alone: what the cart does follows from it.
-            let near = |place: Place, reach: f64| {
+            let near = |place: CurvePlace, reach: f64| {
                 strobes.iter().any(|x| {
                     let there = self.family.place(on_course(*x), parameter);
                     let [q, v, parameter, ..] = minus(place, there);
@@ -166,15 +166,15 @@ impl Curve {
 
 /// All the curves of one rig over one parameter.
 #[derive(Clone, Debug)]
-pub struct Diagram {
+pub struct OrbitDiagram {
     /// The rig; along [`Along::Gap`] its gap is not used.
     pub params: RigParams,
     /// What was searched for.
     pub request: OrbitsRequest,
     /// The curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<OrbitCurve>,
     /// Regimes that simulations settled on and that lie on none of the curves.
-    pub elsewhere: Vec<Seen>,
+    pub elsewhere: Vec<SettledRegime>,
     /// Simulations that searched and checked.
     pub simulations: usize,
     /// How many of them left what the model describes.
@@ -183,7 +183,7 @@ pub struct Diagram {
 
 /// A regime that a simulation settled on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct SettledRegime {
     /// Ω/ω or gap/A0.
     pub parameter: f64,
     /// p.
@@ -209,9 +209,9 @@ pub fn diagram(
     params: &RigParams,
     request: &OrbitsRequest,
     progress: &dyn Progress,
-) -> Result<Diagram, Error> {
+) -> Result<OrbitDiagram, Error> {
     let family = Family::new(params, request.along, 1)?;
-    let mut diagram = Diagram {
+    let mut diagram = OrbitDiagram {
         params: *params,
         request: *request,
         curves: Vec::new(),
@@ -235,7 +235,7 @@ pub fn diagram(
     Ok(diagram)
 }
 
-impl Diagram {
+impl OrbitDiagram {
     /// Follows the curve on which a simulation settled, if it is a new one.
     fn take(&mut self, family: &Family, seed: &Seed, progress: &dyn Progress) -> Result<(), Error> {
         let family = family.with_periods(seed.periods);
@@ -244,7 +244,7 @@ impl Diagram {
             node.orbit.impacts == seed.impacts && node.orbit.stability() != Stability::Unstable
         });
         let Some(node) = own else {
-            self.elsewhere.push(Seen {
+            self.elsewhere.push(SettledRegime {
                 parameter: seed.parameter,
                 impacts: seed.impacts,
                 periods: seed.periods,
@@ -257,12 +257,12 @@ impl Diagram {
         if known(&self.curves, &node) {
             return Ok(());
         }
-        let origin = Origin::Simulation;
+        let origin = CurveOrigin::Simulation;
         let limits = self.request.limits;
-        let curve = Curve::through(family, node, limits, origin);
+        let curve = OrbitCurve::through(family, node, limits, origin);
         // Between a doubling and the first orbit of the doubled curve lie orbits of that curve.
         let middle = &curve.nodes[curve.nodes.len() / 2];
-        if curve.ends.contains(&End::Halved) && known(&self.curves, middle) {
+        if curve.ends.contains(&CurveEnd::Halved) && known(&self.curves, middle) {
             return Ok(());
         }
         self.curves.push(curve);
@@ -273,7 +273,7 @@ impl Diagram {
     /// Whether a simulation settled on one of the curves, judged by its section alone.
     fn has(&self, family: &Family, seed: &Seed) -> bool {
         let place = family.place(on_course(seed.section), seed.parameter);
-        let alike = |c: &&Curve| c.periods() == seed.periods && c.impacts() == seed.impacts;
+        let alike = |c: &&OrbitCurve| c.periods() == seed.periods && c.impacts() == seed.impacts;
         (self.curves.iter().filter(alike)).any(|c| c.is_near(place))
     }
 }
@@ -298,14 +298,15 @@ fn shorter(family: &Family, node: &Node, seed: &Seed) -> Option<Seed> {
     })
 }
 
-fn known(curves: &[Curve], node: &Node) -> bool {
-    let alike = |c: &&Curve| c.periods() == node.orbit.periods && c.impacts() == node.orbit.impacts;
+fn known(curves: &[OrbitCurve], node: &Node) -> bool {
+    let alike =
+        |c: &&OrbitCurve| c.periods() == node.orbit.periods && c.impacts() == node.orbit.impacts;
     curves.iter().filter(alike).any(|c| c.passes(node))
 }
 
 /// Adds the doubled curves that leave the curves from index `from` on.
 fn follow_doublings(
-    curves: &mut Vec<Curve>,
+    curves: &mut Vec<OrbitCurve>,
     from: usize,
     request: &OrbitsRequest,
     progress: &dyn Progress,
@@ -329,10 +330,10 @@ fn follow_doublings(
             let (ahead, end) = march(&twice, &start, request.limits, Until::End);
             let mut nodes = vec![start];
             nodes.extend(ahead);
-            curves.push(Curve {
+            curves.push(OrbitCurve {
                 nodes,
-                ends: [End::Special(Special::PeriodDoubling), end],
-                origin: Origin::Doubling(index),
+                ends: [CurveEnd::Special(Special::PeriodDoubling), end],
+                origin: CurveOrigin::Doubling(index),
                 family: twice,
             });
         }

@@ -7,7 +7,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::knob::Knob;
-use crate::orbit::{CLOSURE, Image, Orbit, Section, after_periods, largest};
+use crate::orbit::{CLOSURE, Orbit, ReturnMapImage, Section, after_periods, largest};
 
 /// What is varied along a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,20 +23,20 @@ pub enum Along {
         /// One of the parameter, in the unit of the knob's name.
         unit: f64,
         /// The drive.
-        drive: Drive,
+        drive: FamilyDrive,
     },
 }
 
 /// The drive frequency of a rig whose numbers vary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
+pub enum FamilyDrive {
     /// This, Hz.
     Hz(f64),
     /// This over the natural frequency, Ω/ω.
     Ratio(f64),
 }
 
-impl Drive {
+impl FamilyDrive {
     /// The frequency of a rig, Hz.
     pub fn hz(self, params: &RigParams) -> f64 {
         match self {
@@ -49,28 +49,28 @@ impl Drive {
 /// A place on a curve: coordinate over 5 A0 and rate over 5 A0 ω (as a displacement and a velocity), the parameter, and
 /// deviation and rate of the cart in the same units as the hammer's (0 with a prescribed cart). In these units the curves
 /// of a hammer that rebounds by some ten A0 are of order one in every direction.
-pub type Place = [f64; 5];
+pub type CurvePlace = [f64; 5];
 
-/// Where the parameter stands in a [`Place`], and the place of each coordinate of the section.
+/// Where the parameter stands in a [`CurvePlace`], and the place of each coordinate of the section.
 const PARAMETER: usize = 2;
 const COORDINATES: [usize; 4] = [0, 1, 3, 4];
 
 /// The direction in which only the parameter grows.
-pub const UP: Place = [0.0, 0.0, 1.0, 0.0, 0.0];
+pub const UP: CurvePlace = [0.0, 0.0, 1.0, 0.0, 0.0];
 
-/// A0 (or A0 ω) per unit of [`Place`].
+/// A0 (or A0 ω) per unit of [`CurvePlace`].
 const AMPLITUDES: f64 = 5.0;
 
 /// Newton steps of one correction.
 const ITERATIONS: usize = 9;
 
-/// An orbit is also found when Newton's step is shorter than this, in units of [`Place`] ...
+/// An orbit is also found when Newton's step is shorter than this, in units of [`CurvePlace`] ...
 const STILL: f64 = 2e-11;
 
 /// ... and the return map moves it by less than this, in A0 and A0 Ω.
 const LOOSE: f64 = 1e-7;
 
-/// The longest correction to a guess that is believed, in units of [`Place`].
+/// The longest correction to a guess that is believed, in units of [`CurvePlace`].
 const FARTHEST: f64 = 0.5;
 
 /// Difference of the parameter from which the derivative by it is taken. Near a graze the map bends within some 1e-7.
@@ -95,9 +95,9 @@ pub struct Node {
     /// The rig's gap, m.
     pub gap_m: f64,
     /// Where on the curve.
-    pub place: Place,
+    pub place: CurvePlace,
     /// The curve's direction there, of length 1.
-    pub tangent: Place,
+    pub tangent: CurvePlace,
     /// What is special about it.
     pub special: Option<super::Special>,
 }
@@ -182,18 +182,18 @@ impl Family {
     }
 
     /// The section point of a place, in the rig's coordinate.
-    fn section(&self, place: &Place) -> Section {
+    fn section(&self, place: &CurvePlace) -> Section {
         [0, 1, 2, 3].map(|i| place[COORDINATES[i]] * self.units[i])
     }
 
     /// The place of a section point at a value of the parameter.
-    pub fn place(&self, section: Section, parameter: f64) -> Place {
+    pub fn place(&self, section: Section, parameter: f64) -> CurvePlace {
         let [q, v, e, w] = [0, 1, 2, 3].map(|i| section[i] / self.units[i]);
         [q, v, parameter, e, w]
     }
 
     /// A direction in the section, given in units of A0 and A0 Ω at a node, as a direction in places.
-    pub fn direction(&self, node: &Node, plane: Section) -> Place {
+    pub fn direction(&self, node: &Node, plane: Section) -> CurvePlace {
         let share = node.orbit.frequency_hz / self.params.natural_frequency_hz();
         let [q, v, e, w] = plane;
         normalised([q, v * share, 0.0, e, w * share])
@@ -206,7 +206,7 @@ impl Family {
     }
 
     /// The orbit in the plane through `guess` normal to `direction`; its tangent points along `direction`.
-    pub fn correct(&self, guess: Place, direction: Place) -> Option<Node> {
+    pub fn correct(&self, guess: CurvePlace, direction: CurvePlace) -> Option<Node> {
         let mut place = guess;
         for _ in 0..ITERATIONS {
             let (params, frequency_hz) = self.at(place[PARAMETER]);
@@ -214,7 +214,7 @@ impl Family {
                 return None;
             }
             let section = self.section(&place);
-            let image = Image::of(&params, frequency_hz, section, self.periods)?;
+            let image = ReturnMapImage::of(&params, frequency_hz, section, self.periods)?;
             let miss = image.miss(section);
             if !largest(miss).is_finite() {
                 return None;
@@ -252,7 +252,7 @@ impl Family {
     }
 
     /// The derivatives of the miss (in units of A0 and A0 Ω) by the place.
-    fn rows(&self, image: &Image, place: &Place) -> Option<[Place; 4]> {
+    fn rows(&self, image: &ReturnMapImage, place: &CurvePlace) -> Option<[CurvePlace; 4]> {
         let monodromy = image.monodromy();
         let section = self.section(place);
         let ahead = place[PARAMETER] + DIFFERENCE;
@@ -272,13 +272,13 @@ impl Family {
     /// The step with which the rows give `right` and that goes `along` in `direction`.
     fn solve(
         &self,
-        rows: &[Place; 4],
-        direction: &Place,
+        rows: &[CurvePlace; 4],
+        direction: &CurvePlace,
         right: Section,
         along: f64,
-    ) -> Option<Place> {
+    ) -> Option<CurvePlace> {
         if self.dimensions() == 2 {
-            let three = |row: &Place| [row[0], row[1], row[PARAMETER]];
+            let three = |row: &CurvePlace| [row[0], row[1], row[PARAMETER]];
             let system = [three(&rows[0]), three(&rows[1]), three(direction)];
             let [q, v, parameter] = solve3(system, [right[0], right[1], along])?;
             return Some([q, v, parameter, 0.0, 0.0]);
@@ -293,9 +293,9 @@ impl Family {
     }
 
     /// The curve's direction, of length 1: along it the rows give nothing.
-    fn tangent(&self, rows: &[Place; 4], direction: &Place) -> Option<Place> {
+    fn tangent(&self, rows: &[CurvePlace; 4], direction: &CurvePlace) -> Option<CurvePlace> {
         if self.dimensions() == 2 {
-            let three = |row: &Place| [row[0], row[1], row[PARAMETER]];
+            let three = |row: &CurvePlace| [row[0], row[1], row[PARAMETER]];
             let [q, v, parameter] = cross(three(&rows[0]), three(&rows[1]));
             return Some(normalised([q, v, parameter, 0.0, 0.0]));
         }
@@ -305,27 +305,27 @@ impl Family {
 }
 
 /// Scalar product.
-pub fn dot(a: Place, b: Place) -> f64 {
+pub fn dot(a: CurvePlace, b: CurvePlace) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4])
 }
 
 /// a − b.
-pub fn minus(a: Place, b: Place) -> Place {
+pub fn minus(a: CurvePlace, b: CurvePlace) -> CurvePlace {
     [0, 1, 2, 3, 4].map(|i| a[i] - b[i])
 }
 
 /// The place `step` from `from` along `direction`.
-pub fn ahead(from: Place, step: f64, direction: Place) -> Place {
+pub fn ahead(from: CurvePlace, step: f64, direction: CurvePlace) -> CurvePlace {
     [0, 1, 2, 3, 4].map(|i| from[i] + step * direction[i])
 }
 
 /// The place the fraction `s` of the way from a to b.
-pub fn between(a: Place, b: Place, s: f64) -> Place {
+pub fn between(a: CurvePlace, b: CurvePlace, s: f64) -> CurvePlace {
     [0, 1, 2, 3, 4].map(|i| a[i] + s * (b[i] - a[i]))
 }
 
 /// `a` made of length 1.
-pub fn normalised(a: Place) -> Place {
+pub fn normalised(a: CurvePlace) -> CurvePlace {
     let length = dot(a, a).sqrt();
     a.map(|x| x / length)
 }

@@ -5,7 +5,7 @@ use super::family::{Family, Node, between as part, dot, minus};
 use crate::orbit::Orbit;
 use crate::root::false_position;
 
-/// Special points are located to this far along the curve, in units of [`super::family::Place`]: in Ω/ω or gap/A0,
+/// Special points are located to this far along the curve, in units of [`super::family::CurvePlace`]: in Ω/ω or gap/A0,
 /// to no more than this.
 pub const TOLERANCE: f64 = 1e-9;
 

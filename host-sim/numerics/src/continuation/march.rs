@@ -3,12 +3,12 @@
 use super::Special;
 use super::family::{Family, Node, UP, ahead, between, dot, minus};
 use super::locate;
-use crate::orbit::{Orbit, Watch};
+use crate::orbit::{Orbit, OrbitWatch};
 
 /// What ends a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum End {
+pub enum CurveEnd {
     /// The range asked for ends; the curve goes on.
     Limit,
     /// Its last orbit has this special, at which it was asked to stop or cannot go on as what it is.
@@ -45,7 +45,12 @@ const MOST: usize = 4000;
 
 /// Follows the curve from `seed` along its tangent while the parameter stays within `limits`. The seed itself is not
 /// among the orbits returned.
-pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> (Vec<Node>, End) {
+pub fn march(
+    family: &Family,
+    seed: &Node,
+    limits: (f64, f64),
+    until: Until,
+) -> (Vec<Node>, CurveEnd) {
     let mut nodes: Vec<Node> = Vec::new();
     let mut last = seed.clone();
     let mut before: Option<Node> = None;
@@ -68,7 +73,7 @@ pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> 
             return at_limit(family, nodes, &last, &next, limits, until);
         }
         if halves(&last, &next) {
-            return (nodes, End::Halved);
+            return (nodes, CurveEnd::Halved);
         }
         let found = locate::between(family, &last, &next);
         let stop = until == Until::Special && !found.is_empty();
@@ -76,17 +81,17 @@ pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> 
         if stop {
             nodes.truncate(1 + nodes.iter().position(|n| n.special.is_some()).unwrap_or(0));
             let kind = nodes.last().and_then(|n| n.special);
-            return (nodes, kind.map_or(End::Lost, End::Special));
+            return (nodes, kind.map_or(CurveEnd::Lost, CurveEnd::Special));
         }
         let closed = back_at(seed, &last, &next);
         nodes.push(next.clone());
         if closed {
-            return (nodes, End::Closed);
+            return (nodes, CurveEnd::Closed);
         }
         before = Some(std::mem::replace(&mut last, next));
         stride = (1.5 * stride).min(STRIDE);
     }
-    (nodes, End::Lost)
+    (nodes, CurveEnd::Lost)
 }
 
 /// The next orbit, if it is one of the same curve: as many contacts, and no sharp turn.
@@ -125,7 +130,7 @@ fn contacts_alike(a: &Node, b: &Node) -> bool {
 /// How far an orbit is from one with another number of contacts: none where no such change is near. All three pass 0
 /// linearly there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Margins {
+pub(super) struct ContactMargins {
     /// Clearance of the nearest miss.
     pub near_miss: Option<f64>,
     /// Square of the slowest approach.
@@ -134,9 +139,9 @@ pub(super) struct Margins {
     pub flight: Option<f64>,
 }
 
-impl Margins {
+impl ContactMargins {
     /// Of a motion of `period_s`.
-    pub fn new(seen: &Watch, period_s: f64) -> Self {
+    pub fn new(seen: &OrbitWatch, period_s: f64) -> Self {
         let square = |x: Option<f64>| x.map(|x| x * x);
         let speeds = seen.grazing_contacts().map(|c| c.approach_speed_m_per_s);
         Self {
@@ -156,15 +161,15 @@ impl Margins {
 /// Where the last two orbits head for another number of contacts.
 pub(super) struct Break {
     /// What ends the curve there.
-    pub end: End,
+    pub end: CurveEnd,
     /// How far along the curve.
     pub distance: f64,
 }
 
 impl Break {
     /// The nearest, of orbits that are `length` apart.
-    pub fn ahead(length: f64, before: &Margins, last: &Margins) -> Option<Self> {
-        let of = |end: End, from: Option<f64>, to: Option<f64>| {
+    pub fn ahead(length: f64, before: &ContactMargins, last: &ContactMargins) -> Option<Self> {
+        let of = |end: CurveEnd, from: Option<f64>, to: Option<f64>| {
             let (from, to) = (from?, to?);
             let fall = from - to;
             let distance = length * to.max(0.0) / fall;
@@ -172,9 +177,9 @@ impl Break {
         };
         let (gained, lost) = (Special::GrazingGained, Special::GrazingLost);
         let all = [
-            of(End::Special(gained), before.near_miss, last.near_miss),
-            of(End::Special(lost), before.approach, last.approach),
-            of(End::Merged, before.flight, last.flight),
+            of(CurveEnd::Special(gained), before.near_miss, last.near_miss),
+            of(CurveEnd::Special(lost), before.approach, last.approach),
+            of(CurveEnd::Merged, before.flight, last.flight),
         ];
         let all = all.into_iter().flatten();
         all.min_by(|a, b| a.distance.total_cmp(&b.distance))
@@ -186,15 +191,15 @@ impl Break {
         let length = dot(moved, moved).sqrt();
         Self::ahead(
             length,
-            &Margins::of(&before.orbit),
-            &Margins::of(&last.orbit),
+            &ContactMargins::of(&before.orbit),
+            &ContactMargins::of(&last.orbit),
         )
     }
 }
 
 /// The curve ended at `last`, at a graze or where two contacts merge.
-fn at_break(mut nodes: Vec<Node>, mut last: Node, end: End) -> (Vec<Node>, End) {
-    if let End::Special(kind) = end {
+fn at_break(mut nodes: Vec<Node>, mut last: Node, end: CurveEnd) -> (Vec<Node>, CurveEnd) {
+    if let CurveEnd::Special(kind) = end {
         last.special = Some(kind);
         match nodes.last_mut() {
             Some(node) => node.special = last.special,
@@ -205,7 +210,7 @@ fn at_break(mut nodes: Vec<Node>, mut last: Node, end: End) -> (Vec<Node>, End) 
 }
 
 /// No further orbit was found: whether a contact grazes at the last.
-fn ended(nodes: Vec<Node>, last: Node) -> (Vec<Node>, End) {
+fn ended(nodes: Vec<Node>, last: Node) -> (Vec<Node>, CurveEnd) {
     /// A hammer this close is about to touch, m.
     const CLOSE_M: f64 = 1e-8;
     /// A contact this slow is about to be missed, m/s.
@@ -214,13 +219,13 @@ fn ended(nodes: Vec<Node>, last: Node) -> (Vec<Node>, End) {
     const SHORT: f64 = 0.02;
     let orbit = &last.orbit;
     let end = if orbit.seen.near_miss_m.is_some_and(|m| m < CLOSE_M) {
-        End::Special(Special::GrazingGained)
+        CurveEnd::Special(Special::GrazingGained)
     } else if (orbit.slowest_approach_m_per_s()).is_some_and(|v| v < SLOW_M_PER_S) {
-        End::Special(Special::GrazingLost)
+        CurveEnd::Special(Special::GrazingLost)
     } else if orbit.shortest_flight().is_some_and(|share| share < SHORT) {
-        End::Merged
+        CurveEnd::Merged
     } else {
-        End::Lost
+        CurveEnd::Lost
     };
     at_break(nodes, last, end)
 }
@@ -237,7 +242,7 @@ fn at_limit(
     next: &Node,
     (low, high): (f64, f64),
     until: Until,
-) -> (Vec<Node>, End) {
+) -> (Vec<Node>, CurveEnd) {
     let limit = if next.parameter() > high { high } else { low };
     let s = (limit - last.parameter()) / (next.parameter() - last.parameter());
     let mut guess = between(last.place, next.place, s);
@@ -250,11 +255,11 @@ fn at_limit(
         let first = found.first().and_then(|n| n.special);
         nodes.extend(found);
         if let (Until::Special, Some(kind)) = (until, first) {
-            return (nodes, End::Special(kind));
+            return (nodes, CurveEnd::Special(kind));
         }
         nodes.push(end);
     }
-    (nodes, End::Limit)
+    (nodes, CurveEnd::Limit)
 }
 
 /// Whether the doubled orbit has passed through one of half its period: its two halves change places.

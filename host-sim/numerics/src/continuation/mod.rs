@@ -25,9 +25,9 @@ pub mod switching;
 pub mod table;
 pub mod two;
 
-pub use diagram::{Curve, Diagram, OrbitsRequest, Origin, Seen, diagram};
-pub use family::{Along, Drive, Family, Node};
-pub use march::{End, Until, march};
+pub use diagram::{CurveOrigin, OrbitCurve, OrbitDiagram, OrbitsRequest, SettledRegime, diagram};
+pub use family::{Along, Family, FamilyDrive, Node};
+pub use march::{CurveEnd, Until, march};
 
 /// What is special about an orbit on a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]

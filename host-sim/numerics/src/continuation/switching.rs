@@ -3,7 +3,7 @@
 use super::family::{Family, Node, ahead, dot, minus};
 use crate::orbit::on_course;
 
-/// Lengths of the first step onto another curve that are tried, in units of [`super::family::Place`].
+/// Lengths of the first step onto another curve that are tried, in units of [`super::family::CurvePlace`].
 const FIRST_STEPS: [f64; 6] = [1e-2, 5e-3, 2e-3, 5e-4, 1e-4, 2e-5];
 
 /// The first orbit of twice the period beside the doubling at `node`, with its curve's direction away from there.

@@ -6,16 +6,16 @@ use serde::{Serialize, Serializer};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::curves::Line;
+use super::curves::SpecialLine;
 use super::family::Node;
-use super::{Along, Curve, Diagram, End, Origin, Seen, Special};
+use super::{Along, CurveEnd, CurveOrigin, OrbitCurve, OrbitDiagram, SettledRegime, Special};
 use crate::orbit::Stability;
 use crate::row::CartModel;
 use crate::row::tidy;
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Name {
+pub enum CurveName {
     /// A curve of orbits.
     Branch {
         /// p.
@@ -34,7 +34,7 @@ pub enum Name {
     },
 }
 
-impl fmt::Display for Name {
+impl fmt::Display for CurveName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match *self {
             Self::Branch {
@@ -55,7 +55,7 @@ impl fmt::Display for Name {
     }
 }
 
-impl Serialize for Name {
+impl Serialize for CurveName {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
@@ -65,7 +65,7 @@ impl Serialize for Name {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrbitRow {
     /// Name of the curve.
-    pub branch: Name,
+    pub branch: CurveName,
     /// Which orbit of the curve, in order along it, from 1.
     pub orbit: usize,
     /// Which of its drive phases 0, from 1.
@@ -110,7 +110,7 @@ pub struct OrbitRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpecialRow {
     /// Name of the curve or of the line.
-    pub branch: Name,
+    pub branch: CurveName,
     /// Which kind.
     pub special: Special,
     /// Drive frequency, Hz.
@@ -137,7 +137,7 @@ pub struct SpecialRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchRow {
     /// Its name.
-    pub branch: Name,
+    pub branch: CurveName,
     /// p.
     pub impacts: u16,
     /// n.
@@ -151,9 +151,9 @@ pub struct BranchRow {
     /// Largest force on a stable stretch, over m g; none if there is no stable orbit.
     pub largest_stable_force_ratio: Option<f64>,
     /// How it ends on either side.
-    pub ends: [End; 2],
+    pub ends: [CurveEnd; 2],
     /// The curve it leaves at a period doubling; none: a simulation settled on it.
-    pub doubled_from: Option<Name>,
+    pub doubled_from: Option<CurveName>,
     /// Stretches of the parameter that are neutral: multipliers on the unit circle, since nothing takes energy.
     pub neutral: Vec<[f64; 2]>,
 }
@@ -173,7 +173,7 @@ pub struct SeenRow {
 
 /// A diagram as tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct OrbitsAnswer {
     /// Name of the rig.
     pub rig: String,
     /// How the cart is moved.
@@ -194,9 +194,9 @@ pub struct Answer {
     pub failed_simulations: usize,
 }
 
-impl Answer {
+impl OrbitsAnswer {
     /// Of a diagram of the rig called `name`.
-    pub fn new(name: &str, diagram: &Diagram) -> Self {
+    pub fn new(name: &str, diagram: &OrbitDiagram) -> Self {
         let names = names(diagram);
         let curves = || diagram.curves.iter().zip(&names);
         let branches = curves().map(|(curve, name)| branch_row(curve, *name, &names, diagram));
@@ -232,7 +232,7 @@ impl Answer {
 }
 
 /// One row for each regime, in the order of p and n.
-fn seen_rows(seen: &[Seen]) -> Vec<SeenRow> {
+fn seen_rows(seen: &[SettledRegime]) -> Vec<SeenRow> {
     let mut rows: Vec<SeenRow> = Vec::new();
     for one in seen {
         let at = tidy(one.parameter);
@@ -255,11 +255,11 @@ fn seen_rows(seen: &[Seen]) -> Vec<SeenRow> {
 }
 
 /// Names of the curves of `diagram`, in their order.
-pub fn names(diagram: &Diagram) -> Vec<Name> {
+pub fn names(diagram: &OrbitDiagram) -> Vec<CurveName> {
     let curves = &diagram.curves;
-    let name = |(i, curve): (usize, &Curve)| {
+    let name = |(i, curve): (usize, &OrbitCurve)| {
         let before = curves[..i].iter().filter(|c| c.regime() == curve.regime());
-        Name::Branch {
+        CurveName::Branch {
             impacts: curve.impacts(),
             periods: curve.periods(),
             number: 1 + before.count(),
@@ -269,13 +269,13 @@ pub fn names(diagram: &Diagram) -> Vec<Name> {
 }
 
 /// Rows of the special points on lines over gap and frequency, named by kind and number.
-pub fn line_rows(params: &RigParams, lines: &[Line]) -> Vec<SpecialRow> {
+pub fn line_rows(params: &RigParams, lines: &[SpecialLine]) -> Vec<SpecialRow> {
     let number = |i: usize| {
         let kind = lines[i].special;
         1 + lines[..i].iter().filter(|l| l.special == kind).count()
     };
     let rows = lines.iter().enumerate().flat_map(|(i, line)| {
-        let name = Name::Line {
+        let name = CurveName::Line {
             special: line.special,
             number: number(i),
         };
@@ -285,7 +285,12 @@ pub fn line_rows(params: &RigParams, lines: &[Line]) -> Vec<SpecialRow> {
     rows.collect()
 }
 
-fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> BranchRow {
+fn branch_row(
+    curve: &OrbitCurve,
+    name: CurveName,
+    names: &[CurveName],
+    diagram: &OrbitDiagram,
+) -> BranchRow {
     let parameters = || curve.nodes.iter().map(Node::parameter);
     let ranges = |wanted: Stability| {
         stretches(&curve.nodes)
@@ -314,8 +319,8 @@ fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> B
         largest_stable_force_ratio: largest,
         ends: curve.ends,
         doubled_from: match curve.origin {
-            Origin::Simulation => None,
-            Origin::Doubling(from) => Some(names[from]),
+            CurveOrigin::Simulation => None,
+            CurveOrigin::Doubling(from) => Some(names[from]),
         },
         neutral: ranges(Stability::Neutral),
     }
@@ -344,7 +349,7 @@ pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], Stability)> {
     found
 }
 
-fn special_at(params: &RigParams, node: &Node, kind: Special, name: Name) -> SpecialRow {
+fn special_at(params: &RigParams, node: &Node, kind: Special, name: CurveName) -> SpecialRow {
     let orbit = &node.orbit;
     let (displacement_mm, velocity_m_per_s) = motion_at(params, node, orbit.section);
     SpecialRow {
@@ -362,7 +367,12 @@ fn special_at(params: &RigParams, node: &Node, kind: Special, name: Name) -> Spe
     }
 }
 
-fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: Name) -> Vec<OrbitRow> {
+fn orbit_rows(
+    diagram: &OrbitDiagram,
+    node: &Node,
+    number: usize,
+    name: CurveName,
+) -> Vec<OrbitRow> {
     let (params, orbit) = (&diagram.params, &node.orbit);
     let [(a_re, a_im), (b_re, b_im)] = orbit.eigenvalues();
     let row = |(k, section): (usize, &[f64; 2])| {

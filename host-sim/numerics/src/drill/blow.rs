@@ -18,7 +18,7 @@ pub enum Feed {
 
 /// A contact with the ground, or a blow on the bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Blow {
+pub struct GroundBlow {
     /// When it began, s since the start.
     pub onset_s: f64,
     /// How long it lasted, s.

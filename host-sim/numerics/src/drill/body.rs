@@ -58,7 +58,7 @@ impl<R: Scalar> Carried<R> {
 
 /// Accelerations at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<R> {
+pub struct BodyAccelerations<R> {
     /// q̈.
     pub acceleration: R,
     /// ë of the cart, m/s²: 0 where it keeps to its course.
@@ -71,7 +71,7 @@ pub struct Motion<R> {
 
 /// Where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place<R> {
+pub struct BodyPlace<R> {
     /// Beyond the nominal place of the front, m.
     pub depth: R,
     /// Its rate, m/s.
@@ -95,17 +95,17 @@ pub struct Powers {
 impl<R: Scalar> Body<R> {
     /// Where it is at coordinate `q` and rate `v`.
     #[inline]
-    pub fn place(&self, q: R, v: R) -> Place<R> {
+    pub fn place(&self, q: R, v: R) -> BodyPlace<R> {
         match self {
             Self::Hammer(carried) => {
                 let at = carried.rig.kinematics(q, v);
-                Place {
+                BodyPlace {
                     depth: at.delta,
                     rate: at.rate,
                     hammer: Some(at),
                 }
             }
-            Self::Free(_) => Place {
+            Self::Free(_) => BodyPlace {
                 depth: q,
                 rate: v,
                 hammer: None,
@@ -150,18 +150,18 @@ impl<R: Scalar> Body<R> {
     #[inline]
     pub fn motion(
         &self,
-        at: &Place<R>,
+        at: &BodyPlace<R>,
         v: R,
         angle: R,
         [force, pressed]: [R; 2],
         off: [R; 2],
-    ) -> Motion<R> {
+    ) -> BodyAccelerations<R> {
         match (self, &at.hammer) {
             (Self::Hammer(carried), Some(at)) => {
                 let course = angle.sin() * R::from_f64(carried.acceleration);
                 let rig = &carried.rig;
                 match &carried.cart {
-                    None => Motion {
+                    None => BodyAccelerations {
                         acceleration: rig.acceleration(at, v, course, force),
                         deviation: R::ZERO,
                         drive: course,
@@ -169,7 +169,7 @@ impl<R: Scalar> Body<R> {
                     },
                     Some(cart) => {
                         let both = cart.both_beside(rig, at, v, [force, pressed], course, off);
-                        Motion {
+                        BodyAccelerations {
                             acceleration: both.acceleration,
                             deviation: both.deviation,
                             drive: both.drive,
@@ -178,7 +178,7 @@ impl<R: Scalar> Body<R> {
                     }
                 }
             }
-            (Self::Hammer(_), None) => Motion {
+            (Self::Hammer(_), None) => BodyAccelerations {
                 acceleration: R::from_f64(f64::NAN),
                 deviation: R::ZERO,
                 drive: R::ZERO,
@@ -187,7 +187,7 @@ impl<R: Scalar> Body<R> {
             (Self::Free(free), _) => {
                 let drive = cos(angle) * R::from_f64(free.amplitude);
                 let drive = drive + R::from_f64(free.static_force);
-                Motion {
+                BodyAccelerations {
                     acceleration: (drive - force) * R::from_f64(1.0 / free.mass),
                     deviation: R::ZERO,
                     drive,
@@ -199,7 +199,7 @@ impl<R: Scalar> Body<R> {
 
     /// The second derivative of the depth, from q̈.
     #[inline]
-    pub fn depth_acceleration(&self, at: &Place<R>, v: R, acceleration: R) -> R {
+    pub fn depth_acceleration(&self, at: &BodyPlace<R>, v: R, acceleration: R) -> R {
         match (self, &at.hammer) {
             (Self::Hammer(carried), Some(at)) => {
                 carried.rig.penetration_acceleration(at, v, acceleration)
@@ -211,12 +211,12 @@ impl<R: Scalar> Body<R> {
     /// Where the energy goes, at the same point as `motion`.
     pub fn powers(
         &self,
-        at: &Place<R>,
+        at: &BodyPlace<R>,
         v: R,
         angle: R,
         force: R,
         off: [R; 2],
-        motion: &Motion<R>,
+        motion: &BodyAccelerations<R>,
     ) -> Powers {
         match (self, &at.hammer) {
             (Self::Hammer(carried), Some(at)) => Powers {

@@ -3,9 +3,9 @@
 use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::slider::Touch;
 
-use super::blow::Blow;
+use super::blow::GroundBlow;
 use super::exits::Exit;
-use super::flow::{DrillStep, Point};
+use super::flow::{DrillPoint, DrillStep};
 use super::march::Drill;
 use crate::flow::{Scalar, reached};
 use crate::root::maximum;
@@ -52,16 +52,16 @@ impl<R: Scalar> Drill<R> {
     /// The largest force between hammer and bit in a step, N.
     fn peak(&self, step: &DrillStep<R>) -> f64 {
         let flow = self.flow();
-        let force = |p: &Point<R>| flow.acting(p).force.to_f64();
-        let rises = |p: &Point<R>| flow.struck_force_rate(p) > 0.0;
+        let force = |p: &DrillPoint<R>| flow.acting(p).force.to_f64();
+        let rises = |p: &DrillPoint<R>| flow.struck_force_rate(p) > 0.0;
         self.largest(step, force, rises, f64::INFINITY)
     }
 
     /// The largest force on the ground in a step, N.
     fn peak_on_ground(&self, step: &DrillStep<R>) -> f64 {
         let flow = self.flow();
-        let force = |p: &Point<R>| flow.acting(p).ground.to_f64();
-        let rises = |p: &Point<R>| self.touch == Touch::Held && flow.held_force_rate(p) > 0.0;
+        let force = |p: &DrillPoint<R>| flow.acting(p).ground.to_f64();
+        let rises = |p: &DrillPoint<R>| self.touch == Touch::Held && flow.held_force_rate(p) > 0.0;
         let most = self.slider.threshold.to_f64();
         self.largest(step, force, rises, most)
     }
@@ -71,8 +71,8 @@ impl<R: Scalar> Drill<R> {
     fn largest(
         &self,
         step: &DrillStep<R>,
-        force: impl Fn(&Point<R>) -> f64,
-        rises: impl Fn(&Point<R>) -> bool,
+        force: impl Fn(&DrillPoint<R>) -> f64,
+        rises: impl Fn(&DrillPoint<R>) -> bool,
         most: f64,
     ) -> f64 {
         let ends = force(&self.point).max(force(&step.end));
@@ -86,7 +86,12 @@ impl<R: Scalar> Drill<R> {
         top.max(ends).min(most)
     }
 
-    pub(super) fn switch(&mut self, exit: Exit, period: &mut Period<f64>, blows: &mut Vec<Blow>) {
+    pub(super) fn switch(
+        &mut self,
+        exit: Exit,
+        period: &mut Period<f64>,
+        blows: &mut Vec<GroundBlow>,
+    ) {
         match exit {
             Exit::Meets => {
                 self.meet();
@@ -137,11 +142,11 @@ impl<R: Scalar> Drill<R> {
 
     fn open_blow(&mut self, speed: R) {
         let onset_s = self.now_s();
-        self.open = Some(Blow {
+        self.open = Some(GroundBlow {
             onset_s,
             approach_speed_m_per_s: speed.to_f64(),
             contacts: 1,
-            ..Blow::default()
+            ..GroundBlow::default()
         });
         self.onsets = [onset_s, self.onsets[0], self.onsets[1]];
     }
@@ -157,7 +162,7 @@ impl<R: Scalar> Drill<R> {
     }
 
     /// A blow on a bit is over when they have been apart for long enough.
-    pub(super) fn close_blow(&mut self, blows: &mut Vec<Blow>) {
+    pub(super) fn close_blow(&mut self, blows: &mut Vec<GroundBlow>) {
         let apart = self.now_s() - self.parted_s > SAME_BLOW_S;
         if self.bit.is_some() && !self.struck && apart {
             blows.extend(self.open.take());

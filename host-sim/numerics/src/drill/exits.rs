@@ -2,7 +2,7 @@
 
 use shared::model::slider::Touch;
 
-use super::flow::{Acting, DrillFlow, Point};
+use super::flow::{Acting, DrillFlow, DrillPoint};
 use crate::flow::{Flow as _, Scalar, reached};
 use crate::reference::switching::Arc;
 use crate::root::maximum;
@@ -47,7 +47,7 @@ struct Paths {
 
 impl<R: Scalar> DrillFlow<'_, R> {
     /// Positive beyond the end of the phase.
-    fn beyond(&self, exit: Exit, p: &Point<R>) -> R {
+    fn beyond(&self, exit: Exit, p: &DrillPoint<R>) -> R {
         let (slider, speed) = (self.slider, self.speed(p));
         match exit {
             Exit::Meets => self.depth(p) - p.lead - p.e,
@@ -59,7 +59,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// The same between hammer and bit.
-    fn beyond_bit(&self, exit: Exit, p: &Point<R>) -> R {
+    fn beyond_bit(&self, exit: Exit, p: &DrillPoint<R>) -> R {
         let Some(bit) = self.bit else {
             return R::from_f64(f64::NEG_INFINITY);
         };
@@ -72,7 +72,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// Its rate.
-    fn beyond_rate(&self, exit: Exit, p: &Point<R>) -> f64 {
+    fn beyond_rate(&self, exit: Exit, p: &DrillPoint<R>) -> f64 {
         let (slider, speed) = (self.slider, self.speed(p));
         let now = self.acting(p);
         let acceleration = now.motion.acceleration;
@@ -100,12 +100,12 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// Rate of the contact force while the ground holds, N/s.
-    pub fn held_force_rate(&self, p: &Point<R>) -> f64 {
+    pub fn held_force_rate(&self, p: &DrillPoint<R>) -> f64 {
         self.beyond_rate(Exit::GivesWay, p)
     }
 
     /// Rate of the force between hammer and bit, N/s. 0 without a bit.
-    pub fn struck_force_rate(&self, p: &Point<R>) -> f64 {
+    pub fn struck_force_rate(&self, p: &DrillPoint<R>) -> f64 {
         if self.bit.is_none() {
             return 0.0;
         }
@@ -113,17 +113,17 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// The first end of the phase within the step from `from` to `end`: how, and how long after `from`.
-    pub fn first_exit(&self, from: &Point<R>, end: &Point<R>) -> Option<(Exit, R)> {
+    pub fn first_exit(&self, from: &DrillPoint<R>, end: &DrillPoint<R>) -> Option<(Exit, R)> {
         let h = (end.t - from.t).to_f64();
         if self.out_of_reach(from, end, h) {
             return None;
         }
         let (a, b) = (self.acting(from), self.acting(end));
-        let body = |p: &Point<R>, now: &Acting<R>| {
+        let body = |p: &DrillPoint<R>, now: &Acting<R>| {
             let acceleration = now.motion.acceleration.to_f64();
             (p.q.to_f64(), p.v.to_f64(), acceleration)
         };
-        let bit = |p: &Point<R>, now: &Acting<R>| {
+        let bit = |p: &DrillPoint<R>, now: &Acting<R>| {
             let [u, w] = p.bit;
             (u.to_f64(), w.to_f64(), now.bit.to_f64())
         };
@@ -139,14 +139,14 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// How the phase of the contact of hammer and bit can end in this step.
-    fn blows(&self, from: &Point<R>, end: &Point<R>, h: f64) -> &'static [Exit] {
+    fn blows(&self, from: &DrillPoint<R>, end: &DrillPoint<R>, h: f64) -> &'static [Exit] {
         if self.bit.is_none() {
             return &[];
         }
         if self.struck {
             return &[Exit::Parts];
         }
-        let apart = |p: &Point<R>| {
+        let apart = |p: &DrillPoint<R>| {
             let [x, rate] = self.into_bit(p);
             (x.to_f64(), rate.to_f64().abs())
         };
@@ -158,11 +158,11 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// Whether the ground is too far away to be met in this step.
-    fn out_of_reach(&self, from: &Point<R>, end: &Point<R>, h: f64) -> bool {
+    fn out_of_reach(&self, from: &DrillPoint<R>, end: &DrillPoint<R>, h: f64) -> bool {
         if self.touch != Touch::Apart || self.bit.is_some() {
             return false;
         }
-        let clearance = |p: &Point<R>| {
+        let clearance = |p: &DrillPoint<R>| {
             let beyond = self.beyond(Exit::Meets, p).to_f64();
             (beyond, self.speed(p).to_f64().abs(), p.e.to_f64())
         };
@@ -171,7 +171,13 @@ impl<R: Scalar> DrillFlow<'_, R> {
     }
 
     /// When within the step the phase ends so.
-    fn root(&self, exit: Exit, from: &Point<R>, end: &Point<R>, paths: &Paths) -> Option<R> {
+    fn root(
+        &self,
+        exit: Exit,
+        from: &DrillPoint<R>,
+        end: &DrillPoint<R>,
+        paths: &Paths,
+    ) -> Option<R> {
         let h = paths.body.length;
         let guess = |s: f64| {
             let (q, v) = paths.body.at(s);

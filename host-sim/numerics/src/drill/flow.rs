@@ -4,14 +4,14 @@
 use shared::model::bit::Bit;
 use shared::model::slider::{Slider, Touch};
 
-use super::body::{Body, Motion, Place};
+use super::body::{Body, BodyAccelerations, BodyPlace};
 use super::exits::Exit;
 use crate::flow::dormand_prince::combined;
-use crate::flow::{Flow, Scalar, Step};
+use crate::flow::{Flow, FlowStep, Scalar};
 
 /// Where everything is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point<R> {
+pub struct DrillPoint<R> {
     /// Since drive phase 0, s.
     pub t: R,
     /// The body's coordinate.
@@ -27,7 +27,7 @@ pub struct Point<R> {
     /// The bit's depth beyond the nominal place of the front (m) and its rate (m/s): 0 without a bit.
     pub bit: [R; 2],
     /// How deep that puts the body.
-    pub at: Place<R>,
+    pub at: BodyPlace<R>,
 }
 
 /// Where energy went, J.
@@ -106,18 +106,18 @@ pub struct Acting<R> {
     /// Force on the ground, N: the same without a bit.
     pub ground: R,
     /// Accelerations of body and cart.
-    pub motion: Motion<R>,
+    pub motion: BodyAccelerations<R>,
     /// Acceleration of the bit, m/s²: 0 without one.
     pub bit: R,
 }
 
 /// A step of hammer and ground.
-pub type DrillStep<R> = Step<R, Point<R>, Energies>;
+pub type DrillStep<R> = FlowStep<R, DrillPoint<R>, Energies>;
 
 impl<R: Scalar> DrillFlow<'_, R> {
     /// The speed into the ground of what stands on it, m/s.
     #[inline]
-    pub fn speed(&self, p: &Point<R>) -> R {
+    pub fn speed(&self, p: &DrillPoint<R>) -> R {
         let rate = if self.bit.is_some() {
             p.bit[1]
         } else {
@@ -128,7 +128,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
 
     /// The depth of what stands on the ground beyond the nominal place of the front, m.
     #[inline]
-    pub fn depth(&self, p: &Point<R>) -> R {
+    pub fn depth(&self, p: &DrillPoint<R>) -> R {
         if self.bit.is_some() {
             p.bit[0]
         } else {
@@ -138,13 +138,13 @@ impl<R: Scalar> DrillFlow<'_, R> {
 
     /// How much deeper the body is than the bit, m, and how much faster, m/s.
     #[inline]
-    pub fn into_bit(&self, p: &Point<R>) -> [R; 2] {
+    pub fn into_bit(&self, p: &DrillPoint<R>) -> [R; 2] {
         [p.at.depth - p.bit[0], p.at.rate - p.bit[1]]
     }
 
     /// Forces and accelerations.
     #[inline]
-    pub fn acting(&self, p: &Point<R>) -> Acting<R> {
+    pub fn acting(&self, p: &DrillPoint<R>) -> Acting<R> {
         let ground = self.slider.force(self.touch, p.e, self.speed(p));
         let angle = p.t * R::from_f64(self.omega);
         let motion = |forces| self.body.motion(&p.at, p.v, angle, forces, p.cart);
@@ -172,7 +172,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
         }
     }
 
-    fn powers(&self, p: &Point<R>, now: &Acting<R>) -> Energies {
+    fn powers(&self, p: &DrillPoint<R>, now: &Acting<R>) -> Energies {
         let angle = p.t * R::from_f64(self.omega);
         let (force, motion) = (now.force, &now.motion);
         let body = self.body.powers(&p.at, p.v, angle, force, p.cart, motion);
@@ -204,7 +204,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
 
     /// Progress in a step, m, and energies, J: what has a closed form are the progress and the dashpot's heat while e goes its
     /// own way: with x the distance from its limit, c ẋ = −k x and so ∫c ẋ² dt = ½ k (x0² − x1²).
-    pub fn gained(&self, from: &Point<R>, step: &DrillStep<R>) -> (R, Energies) {
+    pub fn gained(&self, from: &DrillPoint<R>, step: &DrillStep<R>) -> (R, Energies) {
         let dug = match self.touch {
             Touch::Slipping => step.end.lead - from.lead + step.length * R::from_f64(self.feed),
             _ => R::ZERO,
@@ -212,7 +212,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
         let mut energies = step.totals;
         energies.progress = self.slider.threshold.to_f64() * dug.to_f64();
         if let Some(limit) = self.slider.compression_limit(self.touch) {
-            let stored = |p: &Point<R>| self.slider.stored_energy(p.e - limit).to_f64();
+            let stored = |p: &DrillPoint<R>| self.slider.stored_energy(p.e - limit).to_f64();
             energies.dashpot = stored(from) - stored(&step.end);
         }
         (dug, energies)
@@ -221,17 +221,17 @@ impl<R: Scalar> DrillFlow<'_, R> {
 
 impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
     type Number = R;
-    type Point = Point<R>;
+    type Point = DrillPoint<R>;
     type Totals = Energies;
     type Exit = Exit;
 
     #[inline]
-    fn time(&self, point: &Point<R>) -> R {
+    fn time(&self, point: &DrillPoint<R>) -> R {
         point.t
     }
 
     #[inline]
-    fn numbers(&self, p: &Point<R>) -> States<R> {
+    fn numbers(&self, p: &DrillPoint<R>) -> States<R> {
         let ([off, off_rate], [depth, depth_rate]) = (p.cart, p.bit);
         [p.q, p.v, off, off_rate, depth, depth_rate]
     }
@@ -246,7 +246,7 @@ impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
     }
 
     #[inline]
-    fn after(&self, from: &Point<R>, tau: R, numbers: States<R>) -> Point<R> {
+    fn after(&self, from: &DrillPoint<R>, tau: R, numbers: States<R>) -> DrillPoint<R> {
         let [q, v, off, off_rate, depth, depth_rate] = numbers;
         let at = self.body.place(q, v);
         let fed = from.lead - tau * R::from_f64(self.feed);
@@ -261,7 +261,7 @@ impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
                 }
             }
         };
-        Point {
+        DrillPoint {
             t: from.t + tau,
             q,
             v,
@@ -274,7 +274,7 @@ impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
     }
 
     #[inline]
-    fn rates(&self, p: &Point<R>, rates: &mut States<R>, weight: f64, totals: &mut Energies) {
+    fn rates(&self, p: &DrillPoint<R>, rates: &mut States<R>, weight: f64, totals: &mut Energies) {
         let now = self.acting(p);
         if weight != 0.0 {
             totals.add(&self.powers(p, &now), weight);
@@ -300,7 +300,7 @@ impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
         combined(size(fifth), size(third))
     }
 
-    fn exit(&self, from: &Point<R>, _: f64, end: &Point<R>) -> Option<(Exit, R)> {
+    fn exit(&self, from: &DrillPoint<R>, _: f64, end: &DrillPoint<R>) -> Option<(Exit, R)> {
         self.first_exit(from, end)
     }
 }

@@ -7,10 +7,10 @@ use shared::model::contacts::Period;
 use shared::model::params::{ParamError, RigParams};
 use shared::model::slider::{Slider, Touch};
 
-use super::blow::{Blow, Feed};
+use super::blow::{Feed, GroundBlow};
 use super::body::{Body, Carried, FreeMass, resting};
-use super::flow::{DrillFlow, Energies, Point};
-use crate::flow::{Ended, Pace, Scalar};
+use super::flow::{DrillFlow, DrillPoint, Energies};
+use crate::flow::{Pace, Scalar, StepEnded};
 use crate::reference::TOLERANCE;
 
 /// Steps per period of the drive, at least.
@@ -45,7 +45,7 @@ pub struct Drill<R> {
     longest: (f64, f64),
     /// While a bit stands on the ground and nothing strikes it.
     longest_resting: f64,
-    pub(super) point: Point<R>,
+    pub(super) point: DrillPoint<R>,
     pub(super) touch: Touch,
     /// Whether hammer and bit touch.
     pub(super) struck: bool,
@@ -54,7 +54,7 @@ pub struct Drill<R> {
     /// Progress since the start, m, and in the period under way.
     pub(super) drift: f64,
     pub(super) dug: R,
-    pub(super) open: Option<Blow>,
+    pub(super) open: Option<GroundBlow>,
     /// When hammer and bit last parted, s since the start.
     pub(super) parted_s: f64,
     pub(super) onsets: [f64; 3],
@@ -184,7 +184,7 @@ impl<R: Scalar> Drill<R> {
             tolerance: TOLERANCE,
             longest: (1.0 / (STEPS_PER_PERIOD * fastest_hz), in_contact),
             longest_resting: f64::INFINITY,
-            point: Point {
+            point: DrillPoint {
                 t: R::ZERO,
                 q: R::ZERO,
                 v: R::ZERO,
@@ -233,7 +233,7 @@ impl<R: Scalar> Drill<R> {
 
     /// Runs to the next drive phase 0; finished contacts go to `blows`. Returns what happened, and the progress (m). If
     /// the motion cannot be followed, the state becomes NaN.
-    pub fn run_period(&mut self, blows: &mut Vec<Blow>) -> (Period<f64>, R) {
+    pub fn run_period(&mut self, blows: &mut Vec<GroundBlow>) -> (Period<f64>, R) {
         let mut period = Period {
             touched: self.hammer_touches(),
             ..Period::default()
@@ -247,10 +247,10 @@ impl<R: Scalar> Drill<R> {
         } {
             self.accept(&step, &mut period);
             match ended {
-                Ended::Switched(exit) => self.switch(exit, &mut period, blows),
-                Ended::Within | Ended::AtStop => self.close_blow(blows),
+                StepEnded::Switched(exit) => self.switch(exit, &mut period, blows),
+                StepEnded::Within | StepEnded::AtStop => self.close_blow(blows),
             }
-            if ended == Ended::AtStop {
+            if ended == StepEnded::AtStop {
                 self.pace = pace;
                 self.end_period();
                 return (period, self.dug);

@@ -23,10 +23,10 @@ pub mod search;
 mod state;
 mod watch;
 
-pub use blow::{Blow, Feed};
+pub use blow::{Feed, GroundBlow};
 pub use contacts::SAME_BLOW_S;
 pub use march::Drill;
-pub use run::{DrillPlan, DrillRow, DrillSetting, Seen, grid, run};
+pub use run::{DrillPlan, DrillRow, DrillRun, DrillSetting, grid, run};
 pub use search::{Among, Corner, DrillAnswer, GroundUncertainty, advise, refined};
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::slider::Slider;
 
-use super::blow::{Blow, Feed};
+use super::blow::{Feed, GroundBlow};
 use super::march::Drill;
 use crate::engine::check_frequency;
 use crate::error::{Error, MotionError};
@@ -53,7 +53,7 @@ impl Default for DrillPlan {
 
 /// What a run showed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct DrillRun {
     /// Regime over the recorded periods.
     pub regime: Regime,
     /// Rate of penetration, m/s.
@@ -61,7 +61,7 @@ pub struct Seen {
     /// Progress per drive period, m.
     pub per_cycle_m: f64,
     /// Contacts that ended in the recorded periods.
-    pub blows: Vec<Blow>,
+    pub blows: Vec<GroundBlow>,
     /// Largest contact force, N.
     pub force_n: f64,
     /// Mean distance of the front beyond its nominal place on the section, m.
@@ -80,7 +80,7 @@ pub struct Seen {
     pub cart: [f64; 2],
 }
 
-impl Seen {
+impl DrillRun {
     /// Where a shooting for the orbit begins.
     pub fn guess(&self) -> Section {
         let ([q, v, _], [off, off_rate]) = (self.section, self.cart);
@@ -97,7 +97,7 @@ pub fn run(
     setting: &DrillSetting,
     frequency_hz: f64,
     plan: DrillPlan,
-) -> Result<Seen, Error> {
+) -> Result<DrillRun, Error> {
     check_frequency(frequency_hz, params)?;
     let (ground, bit) = (&setting.ground, setting.bit.as_ref());
     let mut drill = Drill::<f64>::through(params, ground, bit, setting.feed, frequency_hz)?;
@@ -109,7 +109,11 @@ pub fn run(
 ///
 /// # Errors
 /// If the motion cannot be followed.
-pub fn observe(drill: &mut Drill<f64>, frequency_hz: f64, recorded: u32) -> Result<Seen, Error> {
+pub fn observe(
+    drill: &mut Drill<f64>,
+    frequency_hz: f64,
+    recorded: u32,
+) -> Result<DrillRun, Error> {
     let (q_unit, v_unit) = drill.units();
     let mut detector = Detector::new(q_unit, v_unit);
     let [q, v, _] = drill.section();
@@ -129,7 +133,7 @@ pub fn observe(drill: &mut Drill<f64>, frequency_hz: f64, recorded: u32) -> Resu
     let periods = f64::from(recorded);
     let per_cycle_m = (drill.drift_m() - drift) / periods;
     let after = drill.energies();
-    Ok(Seen {
+    Ok(DrillRun {
         regime: detector.regime(),
         rate_m_per_s: per_cycle_m * frequency_hz,
         per_cycle_m,
@@ -230,9 +234,9 @@ pub struct DrillRow {
 
 impl DrillRow {
     /// The row of a run.
-    pub fn new(rig: &NamedRig, setting: &DrillSetting, frequency_hz: f64, seen: &Seen) -> Self {
+    pub fn new(rig: &NamedRig, setting: &DrillSetting, frequency_hz: f64, seen: &DrillRun) -> Self {
         let count = seen.blows.len() as f64;
-        let mean = |value: fn(&Blow) -> f64| {
+        let mean = |value: fn(&GroundBlow) -> f64| {
             let sum: f64 = seen.blows.iter().map(value).sum();
             (count > 0.0).then(|| sum / count)
         };

@@ -9,7 +9,7 @@ use super::blow::Feed;
 use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::pick::pick;
 use crate::progress::{Progress, WithinStep, check};
 use crate::root::maximum;
@@ -114,7 +114,7 @@ pub fn advise(
     check(progress)?;
     let natural_hz = rig.params.natural_frequency_hz();
     let multiplier = multiplier(rig, setting, &best, plan);
-    let rigid = pick(rig, None, Limits::default(), &WithinStep(progress)).ok();
+    let rigid = pick(rig, None, PickLimits::default(), &WithinStep(progress)).ok();
     let rigid_row = match &rigid {
         Some(found) => Some(at(rig, setting, found.answer.operating_frequency_hz, plan)?),
         None => None,

@@ -2,7 +2,7 @@
 
 use shared::model::slider::Touch;
 
-use super::flow::{Energies, Point};
+use super::flow::{DrillPoint, Energies};
 use super::march::Drill;
 use crate::flow::Scalar;
 
@@ -16,7 +16,7 @@ impl<R: Scalar> Drill<R> {
     /// The same with a cart that recoils `cart` (m, m/s) off its course. A bit is at rest on the ground.
     pub fn place_off(&mut self, [q, v, e]: [R; 3], cart: [R; 2]) {
         let at = self.body.place(q, v);
-        self.point = Point {
+        self.point = DrillPoint {
             t: R::ZERO,
             q,
             v,

@@ -8,7 +8,7 @@ use shared::model::slider::Slider;
 use super::blow::Feed;
 use super::body::FreeMass;
 use super::march::Drill;
-use super::run::{DrillPlan, DrillSetting, Seen, run};
+use super::run::{DrillPlan, DrillRun, DrillSetting, run};
 use super::{orbit, published};
 use crate::orbit::shoot;
 
@@ -26,7 +26,7 @@ const PLAN: DrillPlan = DrillPlan {
     recorded: 16,
 };
 
-fn at(params: &RigParams, threshold: f64, feed: Feed, ratio: f64) -> Seen {
+fn at(params: &RigParams, threshold: f64, feed: Feed, ratio: f64) -> DrillRun {
     let setting = DrillSetting {
         ground: rock(threshold),
         bit: None,

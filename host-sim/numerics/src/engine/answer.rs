@@ -3,15 +3,15 @@
 use serde::Serialize;
 use shared::model::rig::Rig;
 
-use super::{Engine, Method, Observation, Plan, Precision, Recorder};
-use crate::row::{NamedRig, Row, tidy};
+use super::{CycleRecorder, Engine, Method, Observation, Plan, Precision};
+use crate::row::{NamedRig, RunRow, tidy};
 
 /// What a run showed. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct RunAnswer {
     /// Regime and force.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: RunRow,
     /// Finished contacts in the recorded cycles.
     pub contacts_recorded: usize,
     /// Drive periods from the start after which the motion repeats; none if it does not by the end.
@@ -66,21 +66,21 @@ pub struct SectionRow {
     pub relative_velocity_m_per_s: f64,
 }
 
-impl Answer {
+impl RunAnswer {
     /// Of the run of `rig` that showed `seen` and left `recorder`.
     pub fn new(
         rig: &NamedRig,
         engine: Engine,
         plan: Plan,
         seen: &Observation,
-        recorder: &Recorder,
+        recorder: &CycleRecorder,
     ) -> Self {
         let setting = match engine {
             Engine::Event => None,
             Engine::Switch(setting) => Some(setting),
         };
         Self {
-            row: Row::new(&rig.name, &rig.params, seen),
+            row: RunRow::new(&rig.name, &rig.params, seen),
             contacts_recorded: recorder.contacts.len(),
             settling_cycles: seen.settled_after,
             settling_s: seen.settled_after.map(|n| f64::from(n) / seen.frequency_hz),
@@ -114,7 +114,7 @@ pub fn section_rows(seen: &Observation, rig: &Rig<f64>) -> Vec<SectionRow> {
 }
 
 /// The finished contacts as rows.
-pub fn contact_rows(recorder: &Recorder) -> Vec<ContactRow> {
+pub fn contact_rows(recorder: &CycleRecorder) -> Vec<ContactRow> {
     let rows = recorder.contacts.iter().map(|c| ContactRow {
         // A contact that the run begins with has its onset at 0, but for the last digits.
         onset_s: if c.onset_s.abs() < 1e-15 {

@@ -4,9 +4,9 @@ use shared::model::contacts::Period;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::{Machine, Recorder, Sample};
+use super::{CycleRecorder, Machine, RecordedSample};
 use crate::error::Error;
-use crate::reference::{Contact, Observer, Reference, Segment};
+use crate::reference::{LocatedContact, Reference, Segment, TrajectoryObserver};
 
 /// The reference at coordinate and rate `section` with the cart `deviation` (m, m/s) off its course, at drive `phase`
 /// (turns).
@@ -31,7 +31,7 @@ struct Event {
 }
 
 impl Machine for Event {
-    fn period(&mut self, recorder: Option<&mut Recorder>) -> Period<f64> {
+    fn period(&mut self, recorder: Option<&mut CycleRecorder>) -> Period<f64> {
         match recorder {
             Some(recorder) => {
                 let mut sampler = Sampler {
@@ -59,12 +59,12 @@ impl Machine for Event {
 /// is over long before the next even sample.
 struct Sampler<'a> {
     frequency_hz: f64,
-    recorder: &'a mut Recorder,
+    recorder: &'a mut CycleRecorder,
     /// Which even sample of the period is next.
     next: usize,
 }
 
-impl Observer for Sampler<'_> {
+impl TrajectoryObserver for Sampler<'_> {
     fn segment(&mut self, segment: &Segment) {
         let (per_period, evenly) = (self.recorder.samples_per_period, self.recorder.evenly);
         if per_period == 0 {
@@ -75,11 +75,12 @@ impl Observer for Sampler<'_> {
             let turns = segment.cycle as f64 + t * self.frequency_hz;
             let force = segment.force(q, v);
             let cart = segment.cart(t);
-            let sample = Sample::new(segment.rig, self.frequency_hz, turns, (q, v), cart, force);
+            let sample =
+                RecordedSample::new(segment.rig, self.frequency_hz, turns, (q, v), cart, force);
             self.recorder.samples.push(sample);
         };
         let (start, end) = (segment.start.t, segment.end.t);
-        let dense = !evenly && segment.mode == shared::model::rig::Mode::Contact;
+        let dense = !evenly && segment.mode == shared::model::rig::SwitchMode::Contact;
         if dense {
             const PIECES: usize = 6;
             (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
@@ -93,7 +94,7 @@ impl Observer for Sampler<'_> {
         }
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &LocatedContact) {
         self.recorder.contacts.push(*contact);
     }
 }

@@ -13,8 +13,8 @@ use shared::model::rig::Rig;
 
 use crate::error::{Error, MotionError, StartError};
 use crate::lanes::strobes;
-use crate::reference::Contact;
-pub use recorder::{Recorder, Sample};
+use crate::reference::LocatedContact;
+pub use recorder::{CycleRecorder, RecordedSample};
 pub use switch::{Method, Precision, Setting, Switch};
 
 /// What integrates.
@@ -76,7 +76,7 @@ const DEEPEST_START_M: f64 = 1e-4;
 /// A hammer that can be run a drive period at a time.
 pub trait Machine {
     /// Runs to the next drive phase 0; enters what happened in `recorder`, if there is one.
-    fn period(&mut self, recorder: Option<&mut Recorder>) -> Period<f64>;
+    fn period(&mut self, recorder: Option<&mut CycleRecorder>) -> Period<f64>;
     /// Coordinate and rate on the section now.
     fn section(&self) -> [f64; 2];
     /// The rig.
@@ -173,7 +173,7 @@ pub struct Observation {
     /// Largest contact force, N.
     pub force_n: f64,
     /// The finished contact with the largest force.
-    pub strongest: Option<Contact>,
+    pub strongest: Option<LocatedContact>,
     /// The section over the recorded cycles, oldest first: coordinate and rate.
     pub section: Vec<[f64; 2]>,
 }
@@ -186,7 +186,7 @@ pub struct Observation {
 pub fn observe(
     machine: &mut dyn Machine,
     plan: Plan,
-    recorder: &mut Recorder,
+    recorder: &mut CycleRecorder,
 ) -> Result<Observation, Error> {
     observe_after(machine, plan, recorder, |_| false)
 }
@@ -198,7 +198,9 @@ pub fn observe(
 /// As [`observe`].
 pub fn observe_settled(machine: &mut dyn Machine, plan: Plan) -> Result<Observation, Error> {
     let mut arrival = Arrival::of(machine, STILL);
-    observe_after(machine, plan, &mut Recorder::default(), |at| arrival.at(at))
+    observe_after(machine, plan, &mut CycleRecorder::default(), |at| {
+        arrival.at(at)
+    })
 }
 
 /// What moves less than this between two strobes, in A0 and A0 Ω, has settled to rounding.
@@ -241,7 +243,7 @@ impl Arrival {
 fn observe_after(
     machine: &mut dyn Machine,
     plan: Plan,
-    recorder: &mut Recorder,
+    recorder: &mut CycleRecorder,
     mut arrived: impl FnMut([f64; 2]) -> bool,
 ) -> Result<Observation, Error> {
     let scale = machine.rig().coordinate_scale();
@@ -351,7 +353,7 @@ mod tests {
         for hz in [2.0, 3.0, 4.5, 5.2] {
             let mut whole = machine(Engine::Event, &WIRES, hz, Start::Rest).unwrap();
             let mut short = machine(Engine::Event, &WIRES, hz, Start::Rest).unwrap();
-            let a = observe(whole.as_mut(), plan, &mut Recorder::default()).unwrap();
+            let a = observe(whole.as_mut(), plan, &mut CycleRecorder::default()).unwrap();
             let b = observe_settled(short.as_mut(), plan).unwrap();
             assert_eq!((a.regime, a.unsettled), (b.regime, b.unsettled), "{hz}");
             assert_eq!(a.settled_after, b.settled_after, "{hz}");

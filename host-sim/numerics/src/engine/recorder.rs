@@ -2,11 +2,11 @@
 
 use shared::model::rig::Rig;
 
-use crate::reference::Contact;
+use crate::reference::LocatedContact;
 
 /// One recorded instant.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Sample {
+pub struct RecordedSample {
     /// Time since the start, s.
     pub time_s: f64,
     /// l sin θ or Δ, mm.
@@ -23,19 +23,19 @@ pub struct Sample {
 
 /// Keeps what the recorded cycles did.
 #[derive(Clone, Debug, Default)]
-pub struct Recorder {
+pub struct CycleRecorder {
     /// Samples per drive period kept; 0 keeps none.
     pub samples_per_period: usize,
     /// Keeps these samples alone, evenly spaced (the switch model's to a tick). Without it there are more in contact,
     /// so that a picture shows each force.
     pub evenly: bool,
     /// The samples, in time.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<RecordedSample>,
     /// The finished contacts, in time.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<LocatedContact>,
 }
 
-impl Sample {
+impl RecordedSample {
     /// The sample at coordinate `q` and rate `v`, `turns` drive periods after the start, with the cart `deviation` (m, m/s)
     /// off its course.
     pub(super) fn new(

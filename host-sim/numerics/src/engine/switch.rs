@@ -5,13 +5,13 @@ use shared::model::contacts::Period;
 use shared::model::drive::{Drive, Stamp, TURN};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
-use shared::model::step::{Banded, Corrected, Smoothed, State, Stepper};
+use shared::model::step::{Banded, Corrected, HammerState, Smoothed, Stepper};
 use shared::model::switch::Band;
 use shared::model::twin::Twin;
 
-use super::{Machine, Recorder, Sample};
+use super::{CycleRecorder, Machine, RecordedSample};
 use crate::error::Error;
-use crate::reference::Contact;
+use crate::reference::LocatedContact;
 
 /// Which arithmetic the switch model runs in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,7 +148,7 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
         section: [f64; 2],
     ) -> Result<Self, Error> {
         let rig = Rig::<R>::new(params)?;
-        let state = State::new(&rig, R::from_f64(section[0]), R::from_f64(section[1]));
+        let state = HammerState::new(&rig, R::from_f64(section[0]), R::from_f64(section[1]));
         Ok(Self {
             twin: Twin::new(rig, Drive::new(frequency_hz, tick_s)?, stepper, state),
             plain: Rig::<f64>::new(params)?,
@@ -162,13 +162,13 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
         &self,
         contact: Option<&shared::model::contacts::Contact<R>>,
         force: R,
-        recorder: &mut Recorder,
+        recorder: &mut CycleRecorder,
     ) {
         let drive = self.twin.drive();
         let frequency_hz = drive.frequency_hz();
         let turns = |at: Stamp| f64::from(at.cycle) + f64::from(at.phase) / TURN;
         if let Some(contact) = contact {
-            recorder.contacts.push(Contact {
+            recorder.contacts.push(LocatedContact {
                 onset_s: turns(contact.onset) / frequency_hz,
                 duration_s: contact.duration_s.to_f64(),
                 approach_speed_m_per_s: contact.approach_speed.to_f64(),
@@ -196,14 +196,15 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
         if due {
             let state = self.twin.state();
             let at = (state.q.hi.to_f64(), state.v.hi.to_f64());
-            let sample = Sample::new(&self.plain, frequency_hz, now, at, [0.0; 2], force.to_f64());
+            let sample =
+                RecordedSample::new(&self.plain, frequency_hz, now, at, [0.0; 2], force.to_f64());
             recorder.samples.push(sample);
         }
     }
 }
 
 impl<R: Real, S: Stepper<R>> Machine for Switch<R, S> {
-    fn period(&mut self, mut recorder: Option<&mut Recorder>) -> Period<f64> {
+    fn period(&mut self, mut recorder: Option<&mut CycleRecorder>) -> Period<f64> {
         loop {
             let tick = self.twin.tick();
             self.ticks += 1;

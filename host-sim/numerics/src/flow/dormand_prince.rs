@@ -9,7 +9,7 @@ pub use super::tableau::{combined, length, next, shorter};
 
 /// A step taken from a point of type `P`, with what was integrated beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<R, P, T> {
+pub struct FlowStep<R, P, T> {
     /// Where it ended.
     pub end: P,
     /// Its length, s.
@@ -21,11 +21,11 @@ pub struct Step<R, P, T> {
 }
 
 /// The rates of `N` numbers at the stages of a step.
-pub type Rates<R, const N: usize> = [[R; N]; STAGES];
+pub type StageRates<R, const N: usize> = [[R; N]; STAGES];
 
 /// A step of `F`.
 pub type StepOf<F, const N: usize> =
-    Step<<F as Flow<N>>::Number, <F as Flow<N>>::Point, <F as Flow<N>>::Totals>;
+    FlowStep<<F as Flow<N>>::Number, <F as Flow<N>>::Point, <F as Flow<N>>::Totals>;
 
 /// One step of length `h` (s) of `flow` from `from`, whatever its error.
 pub fn step<F: Flow<N>, const N: usize>(flow: &F, from: &F::Point, h: F::Number) -> StepOf<F, N> {
@@ -77,7 +77,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
         }
         sums
     };
-    Step {
+    FlowStep {
         end: flow.after(from, h, flow.moved::<M>(&start, h, &rates, B)),
         length: h,
         error: flow.error(&estimate(E5), &estimate(E3), h.to_f64()),
@@ -91,7 +91,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
 pub fn moved<R: Scalar, const N: usize, const M: usize>(
     from: &[R; N],
     h: R,
-    rates: &Rates<R, N>,
+    rates: &StageRates<R, N>,
     weights: &[(usize, f64)],
 ) -> [R; N] {
     let mut end = *from;

@@ -7,7 +7,7 @@ use super::dormand_prince::{StepOf, next, shorter, step};
 
 /// Why a step ended where it did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended<X> {
+pub enum StepEnded<X> {
     /// It was as long as its error allowed.
     Within,
     /// The phase ended so.
@@ -47,7 +47,7 @@ impl Pace {
         stop: f64,
         longest: f64,
         most: u64,
-    ) -> Option<(StepOf<F, N>, Ended<F::Exit>)> {
+    ) -> Option<(StepOf<F, N>, StepEnded<F::Exit>)> {
         while self.tried < most {
             self.tried += 1;
             let begin = flow.time(from);
@@ -71,13 +71,13 @@ impl Pace {
             }
             if let Some((exit, at)) = flow.exit(from, h, &whole.end) {
                 self.next = self.first;
-                return Some((step(flow, from, at), Ended::Switched(exit)));
+                return Some((step(flow, from, at), StepEnded::Switched(exit)));
             }
             if last {
-                return Some((whole, Ended::AtStop));
+                return Some((whole, StepEnded::AtStop));
             }
             self.next = next(h, whole.error);
-            return Some((whole, Ended::Within));
+            return Some((whole, StepEnded::Within));
         }
         None
     }

@@ -9,11 +9,11 @@ pub mod march;
 mod scalar;
 mod tableau;
 
-pub use dormand_prince::{Step, reached, step};
-pub use march::{Ended, Pace};
+pub use dormand_prince::{FlowStep, reached, step};
+pub use march::{Pace, StepEnded};
 pub use scalar::Scalar;
 
-use dormand_prince::Rates;
+use dormand_prince::StageRates;
 
 /// One phase of a motion whose state is a point over `N` numbers that have rates.
 pub trait Flow<const N: usize> {
@@ -60,7 +60,7 @@ pub trait Flow<const N: usize> {
         &self,
         from: &[Self::Number; N],
         h: Self::Number,
-        rates: &Rates<Self::Number, N>,
+        rates: &StageRates<Self::Number, N>,
         weights: &[(usize, f64)],
     ) -> [Self::Number; N] {
         dormand_prince::moved::<_, N, M>(from, h, rates, weights)

@@ -1,30 +1,30 @@
 //! A fit by the whole force.
 
-use super::contacts::{Impact, Measured};
+use super::contacts::{Impact, MeasuredImpacts};
 use super::profile::{self, Landscape};
-use super::search::Found;
-use super::shape::{self, Shape};
+use super::search::SearchEnd;
+use super::shape::{self, ForceShape};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
-use super::{Fit, ImpactRow, Misfit, SensorFound};
+use super::{IdentifiedFit, ImpactRow, Misfit, SensorFound};
 use shared::model::contact::LawKind;
 
 /// A law that misses the whole force by more than this share of it, noise apart, is refused.
 pub const REFUSED_SHARE: f64 = 0.02;
 
 /// The whole force as χ².
-struct ByForce<'a>(&'a Shape<'a>);
+struct ByForce<'a>(&'a ForceShape<'a>);
 
 impl Landscape for ByForce<'_> {
-    fn least(&self, x: &[f64], held: &[usize], _: f64) -> Found {
+    fn least(&self, x: &[f64], held: &[usize], _: f64) -> SearchEnd {
         let solved = self.0.solve(x, held, PROFILE_ROUNDS);
         solved.map_or(
-            Found {
+            SearchEnd {
                 x: x.to_vec(),
                 cost: f64::INFINITY,
                 evaluations: 1,
             },
-            |s| Found {
+            |s| SearchEnd {
                 x: s.x,
                 cost: s.cost,
                 evaluations: s.evaluations,
@@ -45,9 +45,13 @@ const UNSEEN_FILTER: f64 = 2.035;
 pub const PROFILE_ROUNDS: usize = 15;
 
 /// The law as `whole` has it, with intervals.
-pub fn fit(measured: &Measured, unknowns: &Unknowns, whole: &Whole) -> Option<Fit> {
+pub fn fit(
+    measured: &MeasuredImpacts,
+    unknowns: &Unknowns,
+    whole: &Whole,
+) -> Option<IdentifiedFit> {
     let shape = &whole.shape;
-    let mut best = Found {
+    let mut best = SearchEnd {
         x: whole.best.x.clone(),
         cost: whole.best.cost,
         evaluations: whole.evaluations,
@@ -59,7 +63,7 @@ pub fn fit(measured: &Measured, unknowns: &Unknowns, whole: &Whole) -> Option<Fi
     };
     let (profiles, sought) = profile::all(&ByForce(shape), unknowns, &mut best, per_cost);
     let (found, _) = unknowns.read(&best.x[..unknowns.list().len()])?;
-    Some(Fit {
+    Some(IdentifiedFit {
         law: LawKind::SpringDashpot,
         misfit: Misfit::Force,
         refused: whole.beyond_noise > REFUSED_SHARE,
@@ -87,15 +91,15 @@ pub fn fit(measured: &Measured, unknowns: &Unknowns, whole: &Whole) -> Option<Fi
 
 /// The impacts at a point of the whole force's search, with their `peaks` if these were fitted.
 pub fn impact_rows(
-    measured: &Measured,
-    shape: &Shape,
+    measured: &MeasuredImpacts,
+    shape: &ForceShape,
     x: &[f64],
     peaks: Option<&[f64]>,
 ) -> Option<Vec<ImpactRow>> {
     let contacts = shape.contacts(x)?;
     let shown = shape.shown(x, &contacts);
     let row = |(i, impact): (usize, &Impact)| {
-        let contact = Shape::contact(&contacts, i);
+        let contact = ForceShape::contact(&contacts, i);
         let window = &shape.windows()[i];
         let forces = &measured.force_n[window.clone()];
         let pairs = forces.iter().zip(&shown[i]);

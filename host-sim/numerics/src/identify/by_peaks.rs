@@ -4,13 +4,13 @@ use shared::model::contact::LawKind;
 use shared::model::params::RigParams;
 
 use super::by_force::{PROFILE_ROUNDS, REFUSED_SHARE, impact_rows};
-use super::contacts::Measured;
+use super::contacts::MeasuredImpacts;
 use super::peaks::Peaks;
 use super::profile::{self, Landscape};
-use super::search::{self, Found};
+use super::search::{self, SearchEnd};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
-use super::{Fit, Misfit, SensorFound};
+use super::{IdentifiedFit, Misfit, SensorFound};
 
 /// The peaks as χ².
 struct ByPeaks<'a> {
@@ -28,7 +28,7 @@ impl ByPeaks<'_> {
 }
 
 impl Landscape for ByPeaks<'_> {
-    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> Found {
+    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> SearchEnd {
         let free: Vec<usize> = (0..x.len()).filter(|k| !held.contains(k)).collect();
         let with = |others: &[f64]| {
             let mut all = x.to_vec();
@@ -36,7 +36,7 @@ impl Landscape for ByPeaks<'_> {
             all
         };
         if free.is_empty() {
-            return Found {
+            return SearchEnd {
                 x: x.to_vec(),
                 cost: self.cost(x),
                 evaluations: 1,
@@ -50,7 +50,7 @@ impl Landscape for ByPeaks<'_> {
         };
         let inner = |others: &[f64]| self.cost(&with(others));
         let found = search::nelder_mead(&inner, &start, &steps, 1e-3, 60);
-        Found {
+        SearchEnd {
             x: with(&found.x),
             ..found
         }
@@ -59,11 +59,11 @@ impl Landscape for ByPeaks<'_> {
 
 /// The law with which the peaks are most like the measured ones, with intervals.
 pub fn fit(
-    measured: &Measured,
+    measured: &MeasuredImpacts,
     params: &RigParams,
     unknowns: &Unknowns,
     whole: &Whole,
-) -> Option<Fit> {
+) -> Option<IdentifiedFit> {
     let laws = unknowns.list().len();
     let about = whole.best.x[..laws].to_vec();
     let first = Peaks::new(measured, params, whole, unknowns.read(&about)?)?;
@@ -99,7 +99,7 @@ pub fn fit(
     let held: Vec<usize> = (0..x.len() - measured.impacts.len()).collect();
     let shape = &whole.shape;
     let x = shape.solve(&x, &held, PROFILE_ROUNDS).map_or(x, |s| s.x);
-    Some(Fit {
+    Some(IdentifiedFit {
         law: LawKind::SpringDashpot,
         misfit: Misfit::Peaks,
         refused: whole.beyond_noise > REFUSED_SHARE,

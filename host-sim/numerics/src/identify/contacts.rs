@@ -18,7 +18,7 @@ const SILENCE_S: f64 = 5e-3;
 
 /// A record, its offset and drift taken off, and its impacts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredImpacts {
     /// The file's name.
     pub name: String,
     /// Times, s.
@@ -64,7 +64,7 @@ pub struct Impact {
     pub window: Range<usize>,
 }
 
-impl Measured {
+impl MeasuredImpacts {
     /// How long the force is over the threshold in the window of `impact`, s. Between two samples over it, all the time;
     /// before the first and after the last, half the distance to the next sample, the nearer of the two.
     pub fn time_over_s(&self, impact: &Impact) -> f64 {
@@ -86,7 +86,7 @@ impl Measured {
 ///
 /// # Errors
 /// If the record has no force, or no impact stands out in it.
-pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
+pub fn measure(signal: &Signal, most: usize) -> Result<MeasuredImpacts, Error> {
     let name = &signal.name;
     let Some(force) = &signal.force_n else {
         return Err(signal.lacks(RecordError::NoForce));
@@ -114,7 +114,7 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
             noise_n,
         }));
     }
-    let mut measured = Measured {
+    let mut measured = MeasuredImpacts {
         name: name.clone(),
         time_s: signal.time_s.clone(),
         force_n,
@@ -158,7 +158,7 @@ fn integral(times: &[f64], values: &[f64], range: Range<usize>) -> f64 {
         .sum()
 }
 
-fn find(measured: &Measured, most: usize) -> Vec<Impact> {
+fn find(measured: &MeasuredImpacts, most: usize) -> Vec<Impact> {
     let force = &measured.force_n;
     let times = &measured.time_s;
     let mut impacts = Vec::new();
@@ -187,7 +187,7 @@ fn find(measured: &Measured, most: usize) -> Vec<Impact> {
 
 /// The window follows from impulse over peak, which is a half to two thirds of the contact's length under any law,
 /// and which ringing hardly moves.
-fn impact(measured: &Measured, first: usize, last: usize, peak_n: f64) -> Impact {
+fn impact(measured: &MeasuredImpacts, first: usize, last: usize, peak_n: f64) -> Impact {
     let force = &measured.force_n;
     let times = &measured.time_s;
     let until = (last + 1).min(force.len() - 1);

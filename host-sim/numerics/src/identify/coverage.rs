@@ -7,7 +7,7 @@ use shared::model::contact::{LAWS, Law, LawKind};
 use shared::model::number::Number;
 use shared::model::params::{RigParams, WIRES};
 
-use super::{Fit, Misfit, Settings, fit, measure};
+use super::{IdentifiedFit, Misfit, SearchSettings, fit, measure};
 use crate::drop_test::{Converter, DropTest, record};
 use crate::error::Error;
 use crate::noise::Noise;
@@ -25,7 +25,7 @@ const RELEASE_SPREAD: f64 = 0.1;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Case {
+pub struct CoverageCase {
     /// Its name.
     pub name: &'static str,
     /// The sensor; release and seed are drawn.
@@ -36,7 +36,7 @@ pub struct Case {
     pub family: LawKind,
 }
 
-impl Case {
+impl CoverageCase {
     /// Whether the fitted law is the record's.
     pub fn law_is_right(&self) -> bool {
         self.truth.kind() == self.family
@@ -53,13 +53,13 @@ impl Case {
 }
 
 /// All cases, in the order of the table.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<CoverageCase> {
     let noisy = |share: f64| DropTest {
         noise_n: share * PEAK_N,
         ..DropTest::default()
     };
     let usual = noisy(USUAL_NOISE);
-    let dashpot = |name, test| Case {
+    let dashpot = |name, test| CoverageCase {
         name,
         test,
         truth: LAWS[0].1,
@@ -127,7 +127,7 @@ pub fn cases() -> Vec<Case> {
             },
         ),
     ];
-    let crossley = Case {
+    let crossley = CoverageCase {
         truth: LAWS[2].1,
         ..dashpot("hunt-crossley-as-dashpot", usual)
     };
@@ -154,7 +154,7 @@ pub fn cases() -> Vec<Case> {
         },
     ));
     cases.push(crossley);
-    cases.push(Case {
+    cases.push(CoverageCase {
         name: "hunt-crossley",
         family: LawKind::HuntCrossley,
         ..crossley
@@ -164,7 +164,7 @@ pub fn cases() -> Vec<Case> {
 
 /// A line of the table: one parameter of one case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CoverageRow {
     /// The case.
     pub case: &'static str,
     /// What was made small.
@@ -203,12 +203,12 @@ struct Seen {
 /// # Errors
 /// If the work was interrupted.
 pub fn table(
-    cases: &[Case],
+    cases: &[CoverageCase],
     misfits: &[Misfit],
     tests: usize,
     seed: u64,
     progress: &dyn Progress,
-) -> Result<Vec<Row>, Error> {
+) -> Result<Vec<CoverageRow>, Error> {
     let mut rows = Vec::new();
     for case in cases {
         for misfit in misfits {
@@ -228,7 +228,7 @@ pub fn table(
 }
 
 /// One drop test and its fit.
-fn one(case: &Case, misfit: Misfit, seed: u64, number: usize) -> Outcome {
+fn one(case: &CoverageCase, misfit: Misfit, seed: u64, number: usize) -> Outcome {
     let own = seed.wrapping_mul(1_000_003).wrapping_add(number as u64);
     let drawn = Noise::new(own ^ 0x5eed).even();
     let test = DropTest {
@@ -241,7 +241,7 @@ fn one(case: &Case, misfit: Misfit, seed: u64, number: usize) -> Outcome {
         return Ok(None);
     }
     let sought = case.sought();
-    let over = |(estimate, truth): (&super::Estimate, &f64)| {
+    let over = |(estimate, truth): (&super::ProfileEstimate, &f64)| {
         let off = |x: f64| x / truth - 1.0;
         Seen {
             error: off(estimate.value),
@@ -258,22 +258,26 @@ fn one(case: &Case, misfit: Misfit, seed: u64, number: usize) -> Outcome {
 ///
 /// # Errors
 /// If the record cannot be made or shows no impact.
-pub fn identified(case: &Case, test: &DropTest, misfit: Misfit) -> Result<Fit, Error> {
+pub fn identified(
+    case: &CoverageCase,
+    test: &DropTest,
+    misfit: Misfit,
+) -> Result<IdentifiedFit, Error> {
     let params = RigParams {
         contact: case.truth,
         ..WIRES
     };
     let rows = record(&params, test)?;
     let read = 1.0 + 0.01 * test.displacement_gain_percent;
-    let settings = Settings {
+    let settings = SearchSettings {
         release_m: test.release_m * read,
         impacts: 6,
         // A clock that is off is stated to be.
         clock_percent: test
             .clock_fast_percent
             .abs()
-            .max(Settings::DEFAULT.clock_percent),
-        ..Settings::default()
+            .max(SearchSettings::DEFAULT.clock_percent),
+        ..SearchSettings::default()
     };
     let signal = Signal {
         name: case.name.into(),
@@ -291,7 +295,7 @@ pub fn identified(case: &Case, test: &DropTest, misfit: Misfit) -> Result<Fit, E
     )
 }
 
-fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
+fn summary(case: &CoverageCase, misfit: Misfit, outcomes: &[Outcome]) -> Vec<CoverageRow> {
     let right_law = case.law_is_right();
     let row = |(i, number): (usize, Number)| {
         let seen: Vec<Seen> = outcomes
@@ -302,7 +306,7 @@ fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
         let holds =
             |s: &&Seen| s.low.is_none_or(|low| low <= 0.0) && s.high.is_none_or(|high| high >= 0.0);
         let widths = seen.iter().filter_map(|s| Some(50.0 * (s.high? - s.low?)));
-        Row {
+        CoverageRow {
             case: case.name,
             misfit,
             parameter: number.key,

@@ -26,11 +26,11 @@ use shared::model::params::RigParams;
 
 use crate::error::{Error, RecordError};
 use crate::signal::Signal;
-pub use contacts::{Impact, Measured};
-pub use profile::{Estimate, Profile};
+pub use contacts::{Impact, MeasuredImpacts};
+pub use profile::{Profile, ProfileEstimate};
 use ring::Ring;
-pub use sensor::Model;
-use sensor::Sensor;
+pub use sensor::FilterKind;
+use sensor::SensorModel;
 use unknowns::Unknowns;
 pub use warnings::Warning;
 
@@ -56,7 +56,7 @@ impl Misfit {
 
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct SearchSettings {
     /// Displacement at the release, m (negative: away from the surface).
     pub release_m: f64,
     /// Seek the release, too.
@@ -73,7 +73,7 @@ pub struct Settings {
     pub clock_percent: f64,
 }
 
-impl Settings {
+impl SearchSettings {
     /// Released 3 mm out, six impacts, nothing but the law sought; a calibrated force sensor, and a release measured to
     /// 0.03 mm; any crystal for a clock.
     pub const DEFAULT: Self = Self {
@@ -87,16 +87,16 @@ impl Settings {
     };
 }
 
-impl Default for Settings {
+impl Default for SearchSettings {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
 /// Settings with which [`measure`] finds every contact of a record.
-pub(crate) const EVERY_CONTACT: Settings = Settings {
+pub(crate) const EVERY_CONTACT: SearchSettings = SearchSettings {
     impacts: usize::MAX,
-    ..Settings::DEFAULT
+    ..SearchSettings::DEFAULT
 };
 
 /// One measured impact beside the model's.
@@ -128,7 +128,7 @@ pub struct SensorFound {
     /// What it reads over the true force: 1 unless the data say otherwise.
     pub gain: f64,
     /// Its kind of filter.
-    pub filter: Model,
+    pub filter: FilterKind,
     /// The filter's −3 dB corner, Hz; none: too fast to be seen in this record.
     pub filter_hz: Option<f64>,
     /// How fast its zero rises, N/s.
@@ -136,7 +136,7 @@ pub struct SensorFound {
 }
 
 impl SensorFound {
-    fn new(sensor: &Sensor, measured: &Measured) -> Self {
+    fn new(sensor: &SensorModel, measured: &MeasuredImpacts) -> Self {
         Self {
             gain: sensor.gain,
             filter: sensor.model,
@@ -148,7 +148,7 @@ impl SensorFound {
 
 /// What one search found.
 #[derive(Clone, Debug, Serialize)]
-pub struct Fit {
+pub struct IdentifiedFit {
     /// The law.
     pub law: LawKind,
     /// What was made small.
@@ -161,7 +161,7 @@ pub struct Fit {
     /// What is left of the whole force over the noise (root mean squares).
     pub times_noise: f64,
     /// What was sought, with 95 % profile likelihood intervals.
-    pub parameters: Vec<Estimate>,
+    pub parameters: Vec<ProfileEstimate>,
     /// Root mean square misfit: of the peaks, or of the samples, N.
     pub rms_n: f64,
     /// The noise a peak, or a sample, has, N.
@@ -207,12 +207,12 @@ pub struct Fit {
 /// # Errors
 /// If a parameter or the release is out of range, or if the hammer released there has no contact.
 pub fn fit(
-    measured: &Measured,
+    measured: &MeasuredImpacts,
     params: &RigParams,
     family: LawKind,
     misfit: Misfit,
-    settings: &Settings,
-) -> Result<Fit, Error> {
+    settings: &SearchSettings,
+) -> Result<IdentifiedFit, Error> {
     let unknowns = Unknowns::new(measured, params, family, settings)?;
     let whole = whole::fit(measured, params, &unknowns, settings);
     let whole = whole.ok_or(Error::Record {
@@ -244,13 +244,13 @@ pub fn free_cart_percent(params: &RigParams) -> f64 {
 ///
 /// # Errors
 /// If the record has no force, or no impact stands out in it.
-pub fn measure(signal: &Signal, settings: &Settings) -> Result<Measured, Error> {
+pub fn measure(signal: &Signal, settings: &SearchSettings) -> Result<MeasuredImpacts, Error> {
     contacts::measure(signal, settings.impacts)
 }
 
 /// The force that model and sensor of a fit show at the times of an impact's window: (time since the window's first sample
 /// in s, measured in N, model in N).
-pub fn beside(measured: &Measured, fit: &Fit) -> Vec<Vec<[f64; 3]>> {
+pub fn beside(measured: &MeasuredImpacts, fit: &IdentifiedFit) -> Vec<Vec<[f64; 3]>> {
     let one = |(impact, shown): (&Impact, &Vec<f64>)| {
         let times = &measured.time_s[impact.window.clone()];
         let forces = &measured.force_n[impact.window.clone()];

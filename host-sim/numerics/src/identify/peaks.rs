@@ -9,9 +9,9 @@ use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::contacts::Measured;
-use super::sensor::{Pulse, Sensor};
-use super::shape::{Shape, unit_n};
+use super::contacts::MeasuredImpacts;
+use super::sensor::{FilteredPulse, SensorModel};
+use super::shape::{ForceShape, unit_n};
 use super::whole::Whole;
 use crate::drop_test::impacts;
 
@@ -23,9 +23,9 @@ const FLOOR_SHARE: f64 = 1e-3;
 
 /// Compares peaks.
 pub struct Peaks<'a> {
-    measured: &'a Measured,
+    measured: &'a MeasuredImpacts,
     params: RigParams,
-    sensor: Sensor,
+    sensor: SensorModel,
     /// The inverse of the peaks' covariance, and its diagonal.
     inverse: DMatrix<f64>,
     variances: Vec<f64>,
@@ -34,13 +34,13 @@ pub struct Peaks<'a> {
 impl<'a> Peaks<'a> {
     /// With the sensor of `whole`; the covariance is that about `law` and `release_m`.
     pub fn new(
-        measured: &'a Measured,
+        measured: &'a MeasuredImpacts,
         params: &RigParams,
         whole: &Whole,
         (law, release_m): (Law<f64>, f64),
     ) -> Option<Self> {
         let shape = &whole.shape;
-        let sensor = Sensor {
+        let sensor = SensorModel {
             gain: 1.0,
             ..shape.sensor(&whole.best.x)
         };
@@ -60,7 +60,7 @@ impl<'a> Peaks<'a> {
     fn covariance(
         &self,
         whole: &Whole,
-        shape: &Shape,
+        shape: &ForceShape,
         law: Law<f64>,
         release_m: f64,
     ) -> Option<DMatrix<f64>> {
@@ -72,13 +72,13 @@ impl<'a> Peaks<'a> {
             })
             .collect();
         let mut covariance = DMatrix::from_diagonal(&DVector::from_vec(own));
-        let mean = |sensor: &Sensor, release_m: f64| {
+        let mean = |sensor: &SensorModel, release_m: f64| {
             let shown = self.shown(sensor, law, release_m);
             DVector::from_iterator(shown.len(), shown.iter().map(|s| s.0))
         };
         let here = mean(&self.sensor, release_m);
         let (gain, release) = shape.stated_deviations();
-        let higher = Sensor {
+        let higher = SensorModel {
             gain: 1.0 + gain,
             ..self.sensor
         };
@@ -99,7 +99,7 @@ impl<'a> Peaks<'a> {
                 by = -by;
             }
             x[first + k] += by;
-            let moved = Sensor {
+            let moved = SensorModel {
                 gain: 1.0,
                 ..shape.sensor(&x)
             };
@@ -116,7 +116,7 @@ impl<'a> Peaks<'a> {
     }
 
     /// Mean and variance of the largest sample of each impact; zero where the model has no impact.
-    fn shown(&self, sensor: &Sensor, law: Law<f64>, release_m: f64) -> Vec<(f64, f64)> {
+    fn shown(&self, sensor: &SensorModel, law: Law<f64>, release_m: f64) -> Vec<(f64, f64)> {
         let params = RigParams {
             contact: law,
             ..self.params
@@ -133,7 +133,7 @@ impl<'a> Peaks<'a> {
             };
             courses.get(i).map_or(none, |course| {
                 let step = self.measured.sample_s;
-                let pulse = Pulse::new(rig, course, sensor, step);
+                let pulse = FilteredPulse::new(rig, course, sensor, step);
                 let samples = self.measured.impacts[i].window.len();
                 self.largest(
                     |share, k| pulse.shown(sensor, (k as f64 + share) * step),

@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::search::Found;
+use super::search::SearchEnd;
 use super::unknowns::Unknowns;
 
 /// The 95 % point of χ² with one degree of freedom.
@@ -15,7 +15,7 @@ const CHI_SQUARE_95: f64 = 3.841_458_820_694_124;
 
 /// A parameter found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct ProfileEstimate {
     /// As rig files name it, unit included, or `release_mm`.
     pub key: &'static str,
     /// Its value.
@@ -34,7 +34,7 @@ pub struct Estimate {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// The parameter and its interval.
-    pub estimate: Estimate,
+    pub estimate: ProfileEstimate,
     /// (value, rise of χ² over its least), by value.
     pub points: Vec<(f64, f64)>,
 }
@@ -42,7 +42,7 @@ pub struct Profile {
 /// χ² over what is sought, and over nuisances that follow.
 pub trait Landscape {
     /// The least near `x` with the coordinates `held` kept, of which one was moved there by `moved`.
-    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> Found;
+    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> SearchEnd;
 }
 
 /// Profiles of all parameters, and how many costs were computed. Where a profile finds less than `best`, that
@@ -50,14 +50,14 @@ pub trait Landscape {
 pub fn all(
     landscape: &impl Landscape,
     unknowns: &Unknowns,
-    best: &mut Found,
+    best: &mut SearchEnd,
     per_cost: f64,
 ) -> (Vec<Profile>, u64) {
     let mut evaluations = 0;
     let mut profiles = Vec::new();
     for _ in 0..3 {
         profiles.clear();
-        let mut better: Option<Found> = None;
+        let mut better: Option<SearchEnd> = None;
         for held in 0..unknowns.list().len() {
             let mut search = Search {
                 landscape,
@@ -88,7 +88,7 @@ pub fn all(
 struct Search<'a, L> {
     landscape: &'a L,
     unknowns: &'a Unknowns,
-    best: &'a Found,
+    best: &'a SearchEnd,
     per_cost: f64,
     held: usize,
     evaluations: u64,
@@ -125,7 +125,7 @@ impl<L: Landscape> Search<'_, L> {
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Profile {
-            estimate: Estimate {
+            estimate: ProfileEstimate {
                 key: unknown.key,
                 value: value(centre),
                 low: low.map(value),

@@ -5,7 +5,7 @@ use shared::model::contact::LawKind;
 use shared::model::params::WIRES;
 
 use super::unknowns::Unknowns;
-use super::{Settings, measure, whole};
+use super::{SearchSettings, measure, whole};
 use crate::drop_test::{DropTest, record};
 use crate::signal::Signal;
 
@@ -15,9 +15,9 @@ use crate::signal::Signal;
 /// onset at the same place between two samples. `spread` moves it evenly over them, as it falls in real tests.
 fn bias(spread: bool) -> (f64, f64) {
     const TRUTH_MM: f64 = -3.03;
-    let settings = Settings {
+    let settings = SearchSettings {
         seek_release: true,
-        ..Settings::DEFAULT
+        ..SearchSettings::DEFAULT
     };
     let off: Vec<f64> = (1..=60_u64)
         .into_par_iter()

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::contacts::Measured;
+use super::contacts::MeasuredImpacts;
 use super::search::nelder_mead;
 
 /// The square that a swing must take from the tails, in variances of a sample: of the frequencies tried, noise gives one
@@ -47,7 +47,7 @@ pub struct Tail {
 pub const SPAN_S: f64 = 8e-3;
 
 /// The ringing in `tails`; none if what is there is noise.
-pub fn of(measured: &Measured, tails: &[Tail]) -> Option<Ring> {
+pub fn of(measured: &MeasuredImpacts, tails: &[Tail]) -> Option<Ring> {
     let all: f64 = tails.iter().flat_map(|t| &t.force_n).map(|f| f * f).sum();
     let samples = tails.iter().map(|t| t.force_n.len()).sum::<usize>() as f64;
     let noise = measured.noise_n.powi(2);

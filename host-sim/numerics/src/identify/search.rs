@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Where a search ended.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct SearchEnd {
     /// Where.
     pub x: Vec<f64>,
     /// The cost there.
@@ -34,14 +34,14 @@ pub fn nelder_mead(
     steps: &[f64],
     tolerance: f64,
     rounds: u64,
-) -> Found {
+) -> SearchEnd {
     let mut corners = vec![x.to_vec()];
     for (i, step) in steps.iter().enumerate() {
         let mut corner = x.to_vec();
         corner[i] += step;
         corners.push(corner);
     }
-    let start = || Found {
+    let start = || SearchEnd {
         x: x.to_vec(),
         cost: cost(x),
         evaluations: 1,
@@ -57,7 +57,7 @@ pub fn nelder_mead(
     let evaluations = ran.problem.counts.get("cost_count").copied().unwrap_or(0);
     let state = ran.state();
     match state.get_best_param() {
-        Some(best) => Found {
+        Some(best) => SearchEnd {
             x: best.clone(),
             cost: state.get_best_cost(),
             evaluations,
@@ -69,7 +69,7 @@ pub fn nelder_mead(
 /// What searches from several starts found.
 pub struct Searched {
     /// The best.
-    pub best: Found,
+    pub best: SearchEnd,
     /// Searches begun.
     pub starts: usize,
     /// How many of them ended at about the best cost.
@@ -84,7 +84,7 @@ pub fn from_all(
     starts: &[Vec<f64>],
     steps: &[f64],
 ) -> Option<Searched> {
-    let first: Vec<Found> = starts
+    let first: Vec<SearchEnd> = starts
         .par_iter()
         .map(|x| nelder_mead(cost, x, steps, 1e-3, 80))
         .collect();

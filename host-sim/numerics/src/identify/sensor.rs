@@ -1,6 +1,6 @@
 //! The force sensor as the fit has it: a gain, a zero, a clock, a filter, and the surface's ringing after each contact.
 //!
-//! What the filter is, is nowhere else: a [`Model`] says what is sought of it and where, a [`Filter`] is one found.
+//! What the filter is, is nowhere else: a [`FilterKind`] says what is sought of it and where, a [`Filter`] is one found.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 use shared::model::rig::Rig;
 
 use crate::contact_law::undriven::Course;
-use crate::low_pass::{self, State};
+use crate::low_pass::{self, FilterState};
 
 /// Steps in a contact at least.
 const STEPS: f64 = 100.0;
@@ -31,7 +31,7 @@ const CELLS: usize = 512;
 /// A kind of filter between the force and the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Model {
+pub enum FilterKind {
     /// A low-pass of second order before the force is sampled, or none
     Analog,
     /// The same, digital: applied to the samples
@@ -44,7 +44,7 @@ pub enum Model {
     EvenSamples,
 }
 
-impl Model {
+impl FilterKind {
     /// Those that are tried where an analog filter leaves more than noise.
     pub const OTHERS: [Self; 4] = [
         Self::Digital,
@@ -151,7 +151,7 @@ pub struct Swing {
 
 /// How the sensor shows a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensor {
+pub struct SensorModel {
     /// What it shows over what there is.
     pub gain: f64,
     /// What it shows without force, N.
@@ -159,19 +159,19 @@ pub struct Sensor {
     /// A second over what its clock makes of one.
     pub clock: f64,
     /// The filter.
-    pub model: Model,
-    /// [`Model::unknowns`] of it.
+    pub model: FilterKind,
+    /// [`FilterKind::unknowns`] of it.
     pub filter: [f64; 3],
     /// The ringing.
     pub swing: Option<Swing>,
 }
 
-impl Sensor {
+impl SensorModel {
     /// The filter's −3 dB corner, in cycles a sample; none: too fast to be seen in the samples.
     pub fn corner(&self) -> Option<f64> {
         let first = self.filter[0];
         match self.model {
-            Model::Analog | Model::Digital => (first > 0.3).then(|| 1.0 / (TAU * first)),
+            FilterKind::Analog | FilterKind::Digital => (first > 0.3).then(|| 1.0 / (TAU * first)),
             _ => {
                 let taps = self.taps(1.0);
                 let passed = |cycles: f64| {
@@ -203,17 +203,17 @@ impl Sensor {
         };
         let far = second.ceil() as i32;
         match self.model {
-            Model::Analog => Vec::new(),
-            Model::Digital => {
+            FilterKind::Analog => Vec::new(),
+            FilterKind::Digital => {
                 let passed = low_pass::digital(1.0 / (TAU * first), second);
                 passed
                     .enumerate()
                     .map(|(i, w)| tap((i as f64, w)))
                     .collect()
             }
-            Model::OddSamples => shared((-far..=far).map(f64::from).collect(), 0.0),
-            Model::EvenSamples => shared((-far..=far + 1).map(f64::from).collect(), 0.5),
-            Model::LinearPhase => {
+            FilterKind::OddSamples => shared((-far..=far).map(f64::from).collect(), 0.0),
+            FilterKind::EvenSamples => shared((-far..=far + 1).map(f64::from).collect(), 0.5),
+            FilterKind::LinearPhase => {
                 // An eighth of a sample is short enough for the ringing, which does not jump.
                 let cells = 8 * far;
                 shared((-cells..=cells).map(|i| f64::from(i) / 8.0).collect(), 0.0)
@@ -263,7 +263,7 @@ enum By {
     States {
         filter_s: f64,
         damping: f64,
-        states: Vec<State>,
+        states: Vec<FilterState>,
     },
     /// By forces some samples apart.
     Samples,
@@ -272,7 +272,7 @@ enum By {
 }
 
 /// A contact as the filter shows it.
-pub struct Pulse<'a> {
+pub struct FilteredPulse<'a> {
     rig: &'a Rig<f64>,
     course: &'a Course,
     step_s: f64,
@@ -284,9 +284,9 @@ pub struct Pulse<'a> {
     rung: Vec<[f64; 2]>,
 }
 
-impl<'a> Pulse<'a> {
+impl<'a> FilteredPulse<'a> {
     /// Of `course`, sampled every `sample_s`.
-    pub fn new(rig: &'a Rig<f64>, course: &'a Course, sensor: &Sensor, sample_s: f64) -> Self {
+    pub fn new(rig: &'a Rig<f64>, course: &'a Course, sensor: &SensorModel, sample_s: f64) -> Self {
         let sample_s = sensor.clock * sample_s;
         let duration = course.contact.duration_s;
         let count = (duration / (0.25 * sample_s)).clamp(STEPS, 1e5).ceil();
@@ -300,7 +300,7 @@ impl<'a> Pulse<'a> {
             rung: Vec::new(),
         };
         let [first, second, shape] = sensor.filter;
-        if sensor.model == Model::Analog && first <= 1e-3 {
+        if sensor.model == FilterKind::Analog && first <= 1e-3 {
             return pulse;
         }
         let at = |i: usize| course.force(rig, (i as f64 * pulse.step_s).min(duration));
@@ -318,8 +318,8 @@ impl<'a> Pulse<'a> {
                 .collect();
         }
         pulse.by = match sensor.model {
-            Model::Analog => pulse.states(first * sample_s, second),
-            Model::LinearPhase => {
+            FilterKind::Analog => pulse.states(first * sample_s, second),
+            FilterKind::LinearPhase => {
                 let cell = |i: usize| kernel(first, second, shape, (i as f64 + 0.5) / CELLS as f64);
                 let mut integral = vec![0.0];
                 for i in 0..CELLS {
@@ -398,7 +398,7 @@ impl<'a> Pulse<'a> {
         }
     }
 
-    fn decayed(&self, filter_s: f64, damping: f64, states: &[State], t: f64) -> f64 {
+    fn decayed(&self, filter_s: f64, damping: f64, states: &[FilterState], t: f64) -> f64 {
         if t < 0.0 {
             return 0.0;
         }
@@ -462,7 +462,7 @@ impl<'a> Pulse<'a> {
     }
 
     /// What `sensor` shows `t` s after the onset, N.
-    pub fn shown(&self, sensor: &Sensor, t: f64) -> f64 {
+    pub fn shown(&self, sensor: &SensorModel, t: f64) -> f64 {
         let t = sensor.clock * t;
         let ringing = sensor.swing.map_or(0.0, |swing| self.ringing(&swing, t));
         sensor.gain * (self.force(t) + ringing) + sensor.offset_n

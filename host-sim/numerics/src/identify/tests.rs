@@ -5,9 +5,9 @@ use crate::drop_test::{DropTest, record};
 use shared::model::contact::LAWS;
 use shared::model::params::WIRES;
 
-const SETTINGS: Settings = Settings {
+const SETTINGS: SearchSettings = SearchSettings {
     impacts: 4,
-    ..Settings::DEFAULT
+    ..SearchSettings::DEFAULT
 };
 
 fn with(law: Law<f64>) -> RigParams {
@@ -17,7 +17,7 @@ fn with(law: Law<f64>) -> RigParams {
     }
 }
 
-fn measured(law: Law<f64>, test: DropTest) -> Measured {
+fn measured(law: Law<f64>, test: DropTest) -> MeasuredImpacts {
     let rows = record(&with(law), &test).unwrap();
     let signal = Signal {
         name: "made up".into(),
@@ -29,7 +29,7 @@ fn measured(law: Law<f64>, test: DropTest) -> Measured {
 }
 
 /// Value of the `i`-th parameter over what the record was made with.
-fn off(fit: &Fit, truth: &[f64]) -> Vec<f64> {
+fn off(fit: &IdentifiedFit, truth: &[f64]) -> Vec<f64> {
     let pairs = fit.parameters.iter().zip(truth);
     pairs.map(|(p, t)| p.value / t - 1.0).collect()
 }
@@ -61,7 +61,7 @@ fn a_clean_record_gives_back_the_law_it_was_made_with() {
         for misfit in [Misfit::Force, Misfit::Peaks] {
             // Started from a wrong contact: the rig's own does not help.
             // Gain and release are exact here, and stated so.
-            let exact = Settings {
+            let exact = SearchSettings {
                 gain_percent: 0.0,
                 release_height_percent: 0.0,
                 ..SETTINGS
@@ -98,7 +98,7 @@ fn the_intervals_hold_the_truth_as_often_as_they_say() {
                 };
                 let data = measured(LAWS[0].1, test);
                 let found = fit(&data, &WIRES, LawKind::SpringDashpot, misfit, &SETTINGS).unwrap();
-                let inside = |(p, t): (&Estimate, &f64)| {
+                let inside = |(p, t): (&ProfileEstimate, &f64)| {
                     p.low.is_some_and(|low| low <= *t) && p.high.is_some_and(|high| high >= *t)
                 };
                 found.parameters.iter().zip(&truth).map(inside).collect()
@@ -118,7 +118,7 @@ fn one_peak_does_not_fix_two_parameters_and_an_unknown_release_leaves_peaks_unde
         noise_n: 0.2,
         ..DropTest::default()
     };
-    let one = Settings {
+    let one = SearchSettings {
         impacts: 1,
         ..SETTINGS
     };
@@ -136,12 +136,12 @@ fn one_peak_does_not_fix_two_parameters_and_an_unknown_release_leaves_peaks_unde
         parameters: 2,
     };
     assert_eq!(found.warnings[0], few);
-    let warns = |fit: &Fit, of: fn(&Warning) -> bool| fit.warnings.iter().any(of);
+    let warns = |fit: &IdentifiedFit, of: fn(&Warning) -> bool| fit.warnings.iter().any(of);
     let unbounded = |w: &Warning| matches!(w, Warning::Unbounded { .. });
     assert!(warns(&found, unbounded), "{:?}", found.warnings);
     // On wires at gap 0 the hammer is back after half a swing however far out it was let go: peaks alone cannot
     // distinguish a longer fall from a stiffer contact, the shape of the force can.
-    let unknown = Settings {
+    let unknown = SearchSettings {
         seek_release: true,
         ..SETTINGS
     };
@@ -280,7 +280,7 @@ fn two_percent_of_noise_do_not_mislead_the_interval() {
         &WIRES,
         LawKind::SpringDashpot,
         Misfit::Force,
-        &Settings::DEFAULT,
+        &SearchSettings::DEFAULT,
     )
     .unwrap();
     let stiffness = &found.parameters[0];

@@ -5,8 +5,8 @@ use shared::model::number::Number;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::Settings;
-use super::contacts::{Impact, Measured};
+use super::SearchSettings;
+use super::contacts::{Impact, MeasuredImpacts};
 use crate::drop_test::impacts;
 use crate::error::{DropTestError, Error};
 
@@ -150,10 +150,10 @@ impl Unknowns {
     /// # Errors
     /// If the release is out of range, or the hammer released there has no contact.
     pub fn new(
-        measured: &Measured,
+        measured: &MeasuredImpacts,
         params: &RigParams,
         family: LawKind,
-        settings: &Settings,
+        settings: &SearchSettings,
     ) -> Result<Self, Error> {
         let rig = Rig::<f64>::new(params)?;
         let first = impacts(params, &rig, settings.release_m, 1)?;

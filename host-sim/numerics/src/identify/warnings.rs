@@ -1,6 +1,6 @@
 //! What to keep in mind about a fit, as values.
 
-use super::{Fit, Measured, Misfit};
+use super::{IdentifiedFit, MeasuredImpacts, Misfit};
 use shared::model::contact::LawKind;
 
 /// Correlations closer to 1 than this leave only a combination of the two parameters known.
@@ -65,7 +65,7 @@ pub enum Warning {
 }
 
 /// The warnings about `fit`, in the order of [`Warning`], those of parameters parameter by parameter.
-pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
+pub(super) fn of(fit: &IdentifiedFit, measured: &MeasuredImpacts) -> Vec<Warning> {
     let mut found = Vec::new();
     let peaks = measured.impacts.len();
     let parameters = fit.parameters.len();

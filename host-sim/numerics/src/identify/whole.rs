@@ -4,13 +4,13 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use shared::model::params::RigParams;
 
-use super::Settings;
+use super::SearchSettings;
 use super::by_force::REFUSED_SHARE;
-use super::contacts::Measured;
+use super::contacts::MeasuredImpacts;
 use super::least_squares::Solved;
 use super::ring::{self, Ring};
-use super::sensor::Model;
-use super::shape::{RingingGuess, Shape};
+use super::sensor::FilterKind;
+use super::shape::{ForceShape, RingingGuess};
 use super::unknowns::Unknowns;
 
 /// Rounds of a search from afar, and of the last one.
@@ -32,7 +32,7 @@ const LAGS: usize = 60;
 /// What was found.
 pub struct Whole<'a> {
     /// The problem, its deviation widened by [`Whole::widened`].
-    pub shape: Shape<'a>,
+    pub shape: ForceShape<'a>,
     /// Where the least is.
     pub best: Solved,
     /// Searches begun, and how many ended at the best.
@@ -57,15 +57,16 @@ pub struct Whole<'a> {
 
 /// Fits the whole force; `None` if no start leads to a model.
 pub fn fit<'a>(
-    measured: &'a Measured,
+    measured: &'a MeasuredImpacts,
     params: &RigParams,
     unknowns: &'a Unknowns,
-    settings: &Settings,
+    settings: &SearchSettings,
 ) -> Option<Whole<'a>> {
-    let with = |model, ringing| Shape::new(measured, params, unknowns, settings, model, ringing);
-    let mut best = ringing(measured, unknowns, &with, Model::Analog, None)?;
+    let with =
+        |model, ringing| ForceShape::new(measured, params, unknowns, settings, model, ringing);
+    let mut best = ringing(measured, unknowns, &with, FilterKind::Analog, None)?;
     let law = best.0.best.x[..unknowns.list().len()].to_vec();
-    for model in Model::OTHERS {
+    for model in FilterKind::OTHERS {
         if best.0.ratio()? < best.0.likely(measured, 1.0) {
             break;
         }
@@ -84,10 +85,10 @@ pub fn fit<'a>(
 /// The best with a kind of filter, first without ringing and, if what is left shows some, with it; from `law` only if that
 /// is given.
 fn ringing<'a>(
-    measured: &'a Measured,
+    measured: &'a MeasuredImpacts,
     unknowns: &'a Unknowns,
-    with: &impl Fn(Model, Option<RingingGuess>) -> Shape<'a>,
-    model: Model,
+    with: &impl Fn(FilterKind, Option<RingingGuess>) -> ForceShape<'a>,
+    model: FilterKind,
     law: Option<&[f64]>,
 ) -> Option<(Found<'a>, Option<Ring>)> {
     let mut found = search(with(model, None), unknowns, law)?;
@@ -114,7 +115,7 @@ fn ringing<'a>(
 }
 
 struct Found<'a> {
-    shape: Shape<'a>,
+    shape: ForceShape<'a>,
     best: Solved,
     starts: usize,
     agreeing: usize,
@@ -122,14 +123,18 @@ struct Found<'a> {
 }
 
 /// From all starts, and from `law` if it is given.
-fn search<'a>(shape: Shape<'a>, unknowns: &Unknowns, law: Option<&[f64]>) -> Option<Found<'a>> {
+fn search<'a>(
+    shape: ForceShape<'a>,
+    unknowns: &Unknowns,
+    law: Option<&[f64]>,
+) -> Option<Found<'a>> {
     let guesses = unknowns.starts();
     let filters = shape.model.starts();
     let mut starts: Vec<Vec<f64>> = filters
         .iter()
         .map(|filter| shape.start(law.unwrap_or(&guesses[0]), filter))
         .collect();
-    if shape.model == Model::Analog {
+    if shape.model == FilterKind::Analog {
         let usual = starts.len() - 1;
         starts.truncate(usual);
         let others = guesses[1..].iter();
@@ -146,7 +151,7 @@ fn search<'a>(shape: Shape<'a>, unknowns: &Unknowns, law: Option<&[f64]>) -> Opt
     if nearest.cost < best.cost {
         best = nearest.clone();
     }
-    if shape.model != Model::Analog && shape.jumps(&best.x) {
+    if shape.model != FilterKind::Analog && shape.jumps(&best.x) {
         for by in SHIFTS {
             let moved = shape.solve(&shape.shifted(&best.x, by), &[], ROUNDS.0)?;
             evaluations += moved.evaluations;
@@ -178,12 +183,12 @@ impl<'a> Found<'a> {
     }
 
     /// Noise makes that ratio no larger, but for chance of so many standard deviations.
-    fn likely(&self, measured: &Measured, deviations: f64) -> f64 {
+    fn likely(&self, measured: &MeasuredImpacts, deviations: f64) -> f64 {
         1.0 + deviations * (2.0 * measured.colour / self.degrees()).sqrt()
     }
 
     /// How much of what is left is noise; if not all of it is, deviations are widened and the search goes on.
-    fn judged(mut self, measured: &Measured, ring: Option<Ring>) -> Option<Whole<'a>> {
+    fn judged(mut self, measured: &MeasuredImpacts, ring: Option<Ring>) -> Option<Whole<'a>> {
         let left = self.shape.left(&self.best.x)?;
         let data = self.shape.data() as f64;
         let degrees = self.degrees();
@@ -232,7 +237,7 @@ impl Whole<'_> {
     }
 }
 
-fn measured_squares(measured: &Measured, shape: &Shape) -> f64 {
+fn measured_squares(measured: &MeasuredImpacts, shape: &ForceShape) -> f64 {
     let windows = shape.windows().iter();
     windows
         .flat_map(|w| &measured.force_n[w.clone()])

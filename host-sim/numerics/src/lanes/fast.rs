@@ -2,7 +2,7 @@
 
 use ::lanes::{Options, Work, try_run};
 
-use super::{Cell, CellPlan, Outcome, run_one};
+use super::{Cell, CellOutcome, CellPlan, run_one};
 use crate::engine::Engine;
 use crate::error::Error;
 
@@ -40,7 +40,7 @@ pub fn run_with(
     options: Options,
     cells: &[Cell],
     plan: &CellPlan,
-) -> Result<(Vec<Outcome>, Report), Error> {
+) -> Result<(Vec<CellOutcome>, Report), Error> {
     let mut report = Report::default();
     let outcomes = each(options, cells, plan, &mut report).collect::<Result<_, _>>()?;
     Ok((outcomes, report))
@@ -52,7 +52,7 @@ pub(super) fn each<'a>(
     cells: &'a [Cell],
     plan: &'a CellPlan,
     report: &'a mut Report,
-) -> impl Iterator<Item = Result<Outcome, Error>> + 'a {
+) -> impl Iterator<Item = Result<CellOutcome, Error>> + 'a {
     let tried = try_run(options, cells, plan);
     report.again = tried.again;
     report.work = tried.work;

@@ -1,6 +1,6 @@
 //! Millions of short simulations: cells of a map, initial conditions of a basin, points of a diagram.
 //!
-//! A [`Cell`] is one simulation; [`run`] takes many and gives an [`Outcome`] each, in their order. Nothing is kept per
+//! A [`Cell`] is one simulation; [`run`] takes many and gives an [`CellOutcome`] each, in their order. Nothing is kept per
 //! step; what a cell showed is reduced as it runs.
 //!
 //! Cells run side by side in the lanes of vector registers (the crate `lanes`); what the lanes cannot run or find
@@ -15,8 +15,8 @@ use crate::engine::Engine;
 use crate::error::Error;
 
 pub use ::lanes::{
-    Cell, CellPlan, Instructions, Options, Outcome, Precision, SETTLED_WITHIN, Strobe, Strobes,
-    Work,
+    Cell, CellOutcome, CellPlan, Instructions, LanePrecision, LaneStrobe, Options, SETTLED_WITHIN,
+    Strobes, Work,
 };
 pub use fast::{Report, run_with};
 pub use one::run_one;
@@ -31,7 +31,7 @@ const CHUNK: usize = 2048;
 /// # Errors
 /// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
 /// first such cell.
-pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
+pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
     run_reported(cells, plan).map(|(outcomes, _)| outcomes)
 }
 
@@ -39,7 +39,7 @@ pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<Outcome>, Report), Error> {
+pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<CellOutcome>, Report), Error> {
     let parts: Vec<_> = cells
         .par_chunks(CHUNK)
         .map(|chunk| run_with(Options::default(), chunk, plan))
@@ -55,7 +55,7 @@ pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<Outcome>, Re
 
 /// Runs every cell, on every thread there is: a cell whose hammer cannot be followed is an error of its own and takes
 /// no other with it.
-pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<Outcome, Error>> {
+pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<CellOutcome, Error>> {
     let chunks = cells.par_chunks(CHUNK);
     let run = |chunk: &[Cell]| {
         let options = Options::default();
@@ -69,7 +69,7 @@ pub fn each_by_engine(
     engine: Engine,
     cells: &[Cell],
     plan: &CellPlan,
-) -> Vec<Result<Outcome, Error>> {
+) -> Vec<Result<CellOutcome, Error>> {
     let cells = cells.par_iter();
     cells.map(|cell| run_one(engine, cell, plan)).collect()
 }
@@ -78,7 +78,7 @@ pub fn each_by_engine(
 ///
 /// # Errors
 /// Any other error.
-pub fn or_failed(outcome: Result<Outcome, Error>) -> Result<Option<Outcome>, Error> {
+pub fn or_failed(outcome: Result<CellOutcome, Error>) -> Result<Option<CellOutcome>, Error> {
     match outcome {
         Ok(outcome) => Ok(Some(outcome)),
         Err(Error::Motion(_)) => Ok(None),
@@ -90,7 +90,7 @@ pub fn or_failed(outcome: Result<Outcome, Error>) -> Result<Option<Outcome>, Err
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
+pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
     run_with(Options::default(), cells, plan).map(|(outcomes, _)| outcomes)
 }
 
@@ -98,7 +98,11 @@ pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error
 ///
 /// # Errors
 /// As [`run`].
-pub fn by_engine(engine: Engine, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
+pub fn by_engine(
+    engine: Engine,
+    cells: &[Cell],
+    plan: &CellPlan,
+) -> Result<Vec<CellOutcome>, Error> {
     cells
         .par_iter()
         .map(|cell| run_one(engine, cell, plan))

@@ -3,7 +3,7 @@
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, MAX_PERIODS};
 
-use super::{Cell, CellPlan, Outcome, Strobe, Strobes};
+use super::{Cell, CellOutcome, CellPlan, LaneStrobe, Strobes};
 use crate::engine::{Engine, Start, machine_at, within_reach};
 use crate::error::Error;
 
@@ -11,7 +11,7 @@ use crate::error::Error;
 ///
 /// # Errors
 /// If a parameter, the frequency or the start is out of range, or if the hammer leaves what the model describes.
-pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, Error> {
+pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<CellOutcome, Error> {
     let start = Start::Section(cell.start);
     let mut hammer = machine_at(engine, &cell.params, cell.frequency_hz, start, cell.phase)?;
     let scale = hammer.rig().coordinate_scale();
@@ -44,7 +44,7 @@ pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, 
             force_n = force_n.max(period.peak_force);
         }
         if cycle > first_kept {
-            strobes.push(Strobe {
+            strobes.push(LaneStrobe {
                 q,
                 v,
                 force_n: period.peak_force,
@@ -56,7 +56,7 @@ pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, 
     let before = opening.min(plan.cycles) as usize;
     let unsettled = self::strobes(&sections[before + 1..], units).still_change(regime, before);
     let repeats = regime.periods().filter(|_| !unsettled);
-    Ok(Outcome {
+    Ok(CellOutcome {
         regime,
         unsettled,
         force_n,

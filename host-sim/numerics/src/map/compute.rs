@@ -6,7 +6,7 @@ use super::MapCell;
 use super::request::{MapRequest, Runner};
 use crate::engine::{Engine, Start};
 use crate::error::Error;
-use crate::lanes::{self, Cell, CellPlan, Outcome};
+use crate::lanes::{self, Cell, CellOutcome, CellPlan};
 use crate::sweep::Direction;
 
 /// Runs the cells of tile `index`, in their order.
@@ -52,7 +52,7 @@ fn carried(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
         order.reverse();
     }
     let mut found: Vec<Option<MapCell>> = vec![None; range.len()];
-    let mut last: Option<Vec<Option<Outcome>>> = None;
+    let mut last: Option<Vec<Option<CellOutcome>>> = None;
     for column in order {
         let cells = firsts
             .iter()
@@ -73,12 +73,15 @@ fn carried(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     Ok(found.into_iter().flatten().collect())
 }
 
-fn map_cell(outcome: &Option<Outcome>) -> MapCell {
+fn map_cell(outcome: &Option<CellOutcome>) -> MapCell {
     outcome.as_ref().map_or(MapCell::FAILED, MapCell::from)
 }
 
 /// Runs `cells`; those that have not settled run again, to the cycles of `settle`.
-pub(super) fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Option<Outcome>>, Error> {
+pub(super) fn settled(
+    request: &MapRequest,
+    cells: &[Cell],
+) -> Result<Vec<Option<CellOutcome>>, Error> {
     let mut outcomes = run(request.runner, cells, &request.plan)?;
     if let Some(cycles) = request.settle {
         let restless: Vec<usize> = (0..cells.len())
@@ -98,7 +101,7 @@ pub(super) fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Option
 }
 
 /// None where the hammer could not be followed.
-fn run(runner: Runner, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Option<Outcome>>, Error> {
+fn run(runner: Runner, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Option<CellOutcome>>, Error> {
     let outcomes = match runner {
         Runner::Lanes => lanes::run_each(cells, plan),
         Runner::Reference => lanes::each_by_engine(Engine::Event, cells, plan),

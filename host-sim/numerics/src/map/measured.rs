@@ -8,7 +8,7 @@ use super::agree::{places, same_label};
 
 /// One measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredRegime {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// Drive frequency, Hz.
@@ -29,7 +29,7 @@ pub struct Hits {
 }
 
 /// The points that lie on the map, each with what the nearest cell shows.
-pub fn on_map(points: &[Measured], map: &Map) -> Vec<(Measured, Regime)> {
+pub fn on_map(points: &[MeasuredRegime], map: &Map) -> Vec<(MeasuredRegime, Regime)> {
     let gaps: Vec<f64> = points.iter().map(|p| p.gap_mm).collect();
     let frequencies: Vec<f64> = points.iter().map(|p| p.frequency_hz).collect();
     let rows = places(&gaps, &map.grid.gaps_mm);
@@ -41,9 +41,9 @@ pub fn on_map(points: &[Measured], map: &Map) -> Vec<(Measured, Regime)> {
 }
 
 /// Compares every point with the nearest cell.
-pub fn hits(points: &[Measured], map: &Map) -> Hits {
+pub fn hits(points: &[MeasuredRegime], map: &Map) -> Hits {
     let inside = on_map(points, map);
-    let same = |(point, here): &&(Measured, Regime)| same_label(*here, point.regime);
+    let same = |(point, here): &&(MeasuredRegime, Regime)| same_label(*here, point.regime);
     Hits {
         points: inside.len(),
         outside: points.len() - inside.len(),

@@ -16,8 +16,8 @@ use shared::model::regime::Regime;
 pub use self::agree::{Agreement, Similarity, audit, similarity};
 pub use self::request::{MapRequest, Runner};
 pub use self::run::run;
-pub use self::summary::{Share, Strongest, Summary};
-use crate::lanes::Outcome;
+pub use self::summary::{MapSummary, RegimeShare, StrongestCell};
+use crate::lanes::CellOutcome;
 use crate::row::CartModel;
 use crate::row::{self, NamedRig, tidy};
 use crate::sweep::Direction;
@@ -55,7 +55,7 @@ impl Grid {
     }
 }
 
-/// The part of a cell's [`Outcome`] that a map keeps: it has the same size for every cell, and no strobes.
+/// The part of a cell's [`CellOutcome`] that a map keeps: it has the same size for every cell, and no strobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapCell {
     /// z = p/n over the recorded cycles.
@@ -92,8 +92,8 @@ impl MapCell {
     }
 }
 
-impl From<&Outcome> for MapCell {
-    fn from(seen: &Outcome) -> Self {
+impl From<&CellOutcome> for MapCell {
+    fn from(seen: &CellOutcome) -> Self {
         Self {
             regime: seen.regime,
             force_n: seen.force_n,

@@ -8,11 +8,11 @@ use crate::row::{Outcome, kind};
 
 /// A map in a few numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub struct MapSummary {
     /// Cells in all.
     pub cells: usize,
     /// How many show what, the most frequent first.
-    pub regimes: Vec<Share>,
+    pub regimes: Vec<RegimeShare>,
     /// Cells whose section had converged.
     pub settled: usize,
     /// Cells whose motion still changed: their regime is not known.
@@ -20,16 +20,16 @@ pub struct Summary {
     /// Cells flagged as uncertain, and run again by the reference.
     pub uncertain: usize,
     /// Where z = 1/1 has the largest force, if there is one.
-    pub strongest_one_one: Option<Strongest>,
+    pub strongest_one_one: Option<StrongestCell>,
     /// Where the force is largest whatever the regime, if the hammer strikes anywhere.
-    pub strongest_of_all: Option<Strongest>,
+    pub strongest_of_all: Option<StrongestCell>,
     /// Cells whose hammer could not be followed; they are none of the regimes.
     pub failed: usize,
 }
 
 /// How many cells show a regime.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Share {
+pub struct RegimeShare {
     /// Which.
     pub regime: Outcome,
     /// How many.
@@ -38,7 +38,7 @@ pub struct Share {
 
 /// The cell with the largest force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Strongest {
+pub struct StrongestCell {
     /// Its regime.
     pub regime: Outcome,
     /// Clearance at rest, mm.
@@ -53,10 +53,10 @@ pub struct Strongest {
     pub force_n: f64,
 }
 
-impl Summary {
+impl MapSummary {
     /// Of `map`.
     pub fn of(map: &Map) -> Self {
-        let mut regimes: Vec<Share> = Vec::new();
+        let mut regimes: Vec<RegimeShare> = Vec::new();
         // Neighbours are mostly alike: the kinds are few, and the last one found is tried first.
         let mut last = 0;
         for cell in map.cells.iter().filter(|c| !c.failed) {
@@ -66,7 +66,7 @@ impl Summary {
                 last = found.unwrap_or(regimes.len());
             }
             if last == regimes.len() {
-                regimes.push(Share {
+                regimes.push(RegimeShare {
                     regime: kind,
                     cells: 0,
                 });
@@ -91,13 +91,13 @@ impl Summary {
 }
 
 /// The strongest of the cells whose regime is one of those asked for; of equals the first.
-fn strongest(map: &Map, asked: impl Fn(Regime) -> bool) -> Option<Strongest> {
+fn strongest(map: &Map, asked: impl Fn(Regime) -> bool) -> Option<StrongestCell> {
     let force = |i: usize| map.cells[i].force_n;
     let cells =
         (0..map.cells.len()).filter(|i| !map.cells[*i].failed && asked(map.cells[*i].regime));
     let index = cells.reduce(|a, b| if force(b) > force(a) { b } else { a })?;
     let (gap_mm, frequency_hz) = map.grid.at(index);
-    Some(Strongest {
+    Some(StrongestCell {
         regime: map.cells[index].label(),
         gap_mm,
         frequency_hz,

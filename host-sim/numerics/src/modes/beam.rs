@@ -19,7 +19,7 @@ use crate::root::halved;
 /// How the hammer holds the beam's end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Tip {
+pub enum TipJoint {
     /// It cannot turn: two parallel springs hold the hammer upright.
     #[default]
     Guided,
@@ -32,7 +32,7 @@ pub enum Tip {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// How the hammer holds their end.
-    pub tip: Tip,
+    pub tip: TipJoint,
     /// Mass of the beam springs over the hammer's.
     pub mass_ratio: f64,
 }
@@ -113,8 +113,8 @@ impl Beam {
         let (tanh, sech) = (root.tanh(), 1.0 / root.cosh());
         let loaded = root / self.mass_ratio;
         match self.tip {
-            Tip::Guided => sin + tanh * cos - loaded * (sech - cos),
-            Tip::Free => sech + cos - loaded * (sin - tanh * cos),
+            TipJoint::Guided => sin + tanh * cos - loaded * (sech - cos),
+            TipJoint::Free => sech + cos - loaded * (sin - tanh * cos),
         }
     }
 
@@ -138,19 +138,19 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(tip: Tip, root: f64) -> Self {
+    fn new(tip: TipJoint, root: f64) -> Self {
         let (sin, cos) = root.sin_cos();
         let e = (-root).exp();
         let (cosh, sinh) = (0.5 * (1.0 + e * e), 0.5 * (1.0 - e * e));
         match tip {
-            Tip::Guided => Self {
+            TipJoint::Guided => Self {
                 root,
                 a: cosh - e * cos,
                 b: -(sinh + e * sin),
                 sum: e * (e - cos - sin),
                 difference: 1.0 + e * (sin - cos),
             },
-            Tip::Free => Self {
+            TipJoint::Free => Self {
                 root,
                 a: sinh + e * sin,
                 b: -(cosh + e * cos),

@@ -1,10 +1,10 @@
 //! In contact: all modes together.
 
-use super::{MAX_MODES, ModalRig, State};
-use crate::flow::dormand_prince::{Rates, combined};
+use super::{MAX_MODES, ModalRig, ModalState};
+use crate::flow::dormand_prince::{StageRates, combined};
 use crate::flow::{Flow, reached};
 use crate::reference::TOLERANCE;
-use crate::reference::flow::Totals;
+use crate::reference::flow::FlowTotals;
 
 /// A release is located when what is left to it is less than this, s.
 pub const TIME_TOLERANCE_S: f64 = 1e-13;
@@ -31,7 +31,7 @@ impl ContactFlow<'_> {
     }
 
     /// F, N, and dF/dt, N/s.
-    pub fn force(&self, state: &State) -> (f64, f64) {
+    pub fn force(&self, state: &ModalState) -> (f64, f64) {
         let (delta, rate) = self.rig.penetration(state);
         let force = self.rig.force(state);
         let a = self.rig.accelerations(state, self.drive(state.t), force);
@@ -41,7 +41,7 @@ impl ContactFlow<'_> {
 
     /// How long after `from` the force has just fallen to 0, given that it has `h` s after, at `end`: Newton's iteration,
     /// kept in a bracket.
-    fn release(&self, from: &State, h: f64, end: &State) -> f64 {
+    fn release(&self, from: &ModalState, h: f64, end: &ModalState) -> f64 {
         let (mut low, mut high) = (0.0, h);
         let (mut best, mut length) = (*end, h);
         for _ in 0..100 {
@@ -75,15 +75,15 @@ impl ContactFlow<'_> {
 
 impl Flow<NUMBERS> for ContactFlow<'_> {
     type Number = f64;
-    type Point = State;
-    type Totals = Totals;
+    type Point = ModalState;
+    type Totals = FlowTotals;
     type Exit = ();
 
-    fn time(&self, state: &State) -> f64 {
+    fn time(&self, state: &ModalState) -> f64 {
         state.t
     }
 
-    fn numbers(&self, state: &State) -> [f64; NUMBERS] {
+    fn numbers(&self, state: &ModalState) -> [f64; NUMBERS] {
         alternating(&state.q, &state.v)
     }
 
@@ -91,10 +91,10 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
         2 * self.rig.modes.len()
     }
 
-    fn after(&self, from: &State, tau: f64, numbers: [f64; NUMBERS]) -> State {
-        let mut state = State {
+    fn after(&self, from: &ModalState, tau: f64, numbers: [f64; NUMBERS]) -> ModalState {
+        let mut state = ModalState {
             t: from.t + tau,
-            ..State::default()
+            ..ModalState::default()
         };
         for (mode, [q, v]) in numbers.as_chunks().0.iter().enumerate() {
             (state.q[mode], state.v[mode]) = (*q, *v);
@@ -102,7 +102,13 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
         state
     }
 
-    fn rates(&self, at: &State, rates: &mut [f64; NUMBERS], weight: f64, totals: &mut Totals) {
+    fn rates(
+        &self,
+        at: &ModalState,
+        rates: &mut [f64; NUMBERS],
+        weight: f64,
+        totals: &mut FlowTotals,
+    ) {
         let (force, drive) = (self.rig.force(at), self.drive(at.t));
         if weight != 0.0 {
             totals.impulse += weight * force;
@@ -118,7 +124,7 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
         &self,
         from: &[f64; NUMBERS],
         h: f64,
-        rates: &Rates<f64, NUMBERS>,
+        rates: &StageRates<f64, NUMBERS>,
         weights: &[(usize, f64)],
     ) -> [f64; NUMBERS] {
         let mut at = *from;
@@ -141,7 +147,7 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
     }
 
     /// Whether the force falls below 0 between two points at which it pushes, on the cubic through both.
-    fn too_long(&self, from: &State, h: f64, end: &State) -> bool {
+    fn too_long(&self, from: &ModalState, h: f64, end: &ModalState) -> bool {
         let length = end.t - from.t;
         let ((f0, r0), (f1, r1)) = (self.force(from), self.force(end));
         if h <= SHORTEST_S || f1 <= 0.0 || r0 >= 0.0 || r1 <= 0.0 {
@@ -153,7 +159,7 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
         (1..8).any(|k| cubic(f64::from(k) / 8.0) < 0.0)
     }
 
-    fn exit(&self, from: &State, h: f64, end: &State) -> Option<((), f64)> {
+    fn exit(&self, from: &ModalState, h: f64, end: &ModalState) -> Option<((), f64)> {
         (self.force(end).0 <= 0.0).then(|| ((), self.release(from, h, end)))
     }
 }

@@ -1,6 +1,6 @@
 //! Between contacts: every mode in closed form.
 
-use super::{ModalRig, PerMode, State};
+use super::{ModalRig, ModalState, PerMode};
 
 /// A free flight from a state on: each mode's forced motion, and its own, which decays.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct Flight<'a> {
 
 /// The tip in flight, and how fast it can change from here on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tip {
+pub struct FlyingTip {
     /// δ, m; δ̇, m/s; δ̈, m/s².
     pub delta: [f64; 3],
     /// Bound on |δ̈| and on |d³δ/dt³| for all later times of the flight.
@@ -25,7 +25,7 @@ pub struct Tip {
 
 impl<'a> Flight<'a> {
     /// From `state` on, under the drive at `omega` = Ω, rad/s.
-    pub fn new(rig: &'a ModalRig, omega: f64, state: &State) -> Self {
+    pub fn new(rig: &'a ModalRig, omega: f64, state: &ModalState) -> Self {
         let zeta = rig.damping_ratio;
         let (sin, cos) = (omega * state.t).sin_cos();
         let mut flight = Self {
@@ -50,12 +50,12 @@ impl<'a> Flight<'a> {
     }
 
     /// The state at `t` (s after drive phase 0, not before the flight's start).
-    pub fn at(&self, t: f64) -> State {
+    pub fn at(&self, t: f64) -> ModalState {
         let zeta = self.rig.damping_ratio;
         let (drive_sin, drive_cos) = (self.omega * t).sin_cos();
-        let mut state = State {
+        let mut state = ModalState {
             t,
-            ..State::default()
+            ..ModalState::default()
         };
         for (i, mode) in self.rig.modes.iter().enumerate() {
             let (s, c) = self.forced[i];
@@ -74,7 +74,7 @@ impl<'a> Flight<'a> {
     }
 
     /// The tip at the state of [`Self::at`].
-    pub fn tip(&self, state: &State) -> Tip {
+    pub fn tip(&self, state: &ModalState) -> FlyingTip {
         let drive = self.rig.amplitude_m * self.omega * self.omega * (self.omega * state.t).sin();
         let a: PerMode = self.rig.accelerations(state, drive, 0.0);
         let (delta, rate) = self.rig.penetration(state);
@@ -89,7 +89,7 @@ impl<'a> Flight<'a> {
             bounds[0] += fast + slow;
             bounds[1] += mode.omega * fast + self.omega * slow;
         }
-        Tip {
+        FlyingTip {
             delta: [delta, rate, a.iter().sum()],
             bounds,
         }

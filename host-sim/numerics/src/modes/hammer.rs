@@ -2,15 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use shared::model::contacts::{Contact as Finished, Period, Piece};
+use shared::model::contacts::{Contact as Finished, ContactPiece, Period};
 
 use super::contact::{ContactFlow, SHORTEST_S, TIME_TOLERANCE_S};
 use super::flight::Flight;
 use super::log::Log;
-use super::{ModalRig, State};
+use super::{ModalRig, ModalState};
 use crate::flow::dormand_prince::next;
-use crate::flow::{Ended, Pace, Step};
-use crate::reference::flow::Totals;
+use crate::flow::{FlowStep, Pace, StepEnded};
+use crate::reference::flow::FlowTotals;
 
 /// First step after an onset, s.
 const FIRST_STEP_S: f64 = 1e-6;
@@ -19,15 +19,15 @@ const FIRST_STEP_S: f64 = 1e-6;
 const MAX_STEPS_PER_PERIOD: u64 = 1_000_000;
 
 /// Watches a run.
-pub trait Watch {
+pub trait ModesWatch {
     /// The flight was followed from `from` to `to` (s after drive phase 0).
     fn flight(&mut self, _flight: &Flight, _from: f64, _to: f64) {}
     /// A step in contact ended, with what it integrated.
-    fn contact(&mut self, _end: &State, _totals: &Totals) {}
+    fn contact(&mut self, _end: &ModalState, _totals: &FlowTotals) {}
 }
 
 /// Watches nothing.
-impl Watch for () {}
+impl ModesWatch for () {}
 
 /// A hammer on beam springs with modes, from drive phase 0 to drive phase 0.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub struct Hammer {
     rig: ModalRig,
     omega: f64,
     period_s: f64,
-    state: State,
+    state: ModalState,
     touching: bool,
     pace: Pace,
     log: Log,
@@ -52,7 +52,7 @@ impl Hammer {
             rig,
             omega: TAU * frequency_hz,
             period_s: 1.0 / frequency_hz,
-            state: State::default(),
+            state: ModalState::default(),
             touching: false,
             pace: Pace::new(FIRST_STEP_S),
             log: Log::default(),
@@ -70,7 +70,7 @@ impl Hammer {
     }
 
     /// Where the hammer is now.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &ModalState {
         &self.state
     }
 
@@ -81,7 +81,7 @@ impl Hammer {
 
     /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
     /// becomes NaN.
-    pub fn run_period(&mut self, watch: &mut impl Watch) -> Period<f64> {
+    pub fn run_period(&mut self, watch: &mut impl ModesWatch) -> Period<f64> {
         let most = self.pace.tried + MAX_STEPS_PER_PERIOD;
         loop {
             let ended = if self.touching {
@@ -90,7 +90,7 @@ impl Hammer {
                 self.fly(watch, most)
             };
             match ended {
-                Some(Ended::AtStop) => break,
+                Some(StepEnded::AtStop) => break,
                 Some(_) => {}
                 None => {
                     self.state.q = [f64::NAN; super::MAX_MODES];
@@ -108,7 +108,7 @@ impl Hammer {
     /// Either grows from g at most as g + ġ h + ½ G h², G a bound on its second derivative for the rest of the flight:
     /// up to the root of that parabola there is no onset, grazing ones included. Steps from root to root run into the
     /// onset from below, as quadratically as Newton's.
-    fn fly(&mut self, watch: &mut impl Watch, most: u64) -> Option<Ended<()>> {
+    fn fly(&mut self, watch: &mut impl ModesWatch, most: u64) -> Option<StepEnded<()>> {
         let flight = Flight::new(&self.rig, self.omega, &self.state);
         let from = self.state.t;
         let mut state = self.state;
@@ -128,11 +128,11 @@ impl Hammer {
             };
             let safe = safe_step(watched);
             if watched[0] > 0.0 || (safe < TIME_TOLERANCE_S && watched[1] > 0.0) {
-                break Some(Ended::Switched(()));
+                break Some(StepEnded::Switched(()));
             }
             let to_go = self.period_s - state.t;
             if to_go <= 0.0 {
-                break Some(Ended::AtStop);
+                break Some(StepEnded::AtStop);
             }
             let on = safe.max(if watched[1] > 0.0 { 0.0 } else { SHORTEST_S });
             state = flight.at(if on >= to_go {
@@ -143,16 +143,16 @@ impl Hammer {
         };
         watch.flight(&flight, from, state.t);
         self.state = state;
-        if ended == Some(Ended::Switched(())) {
+        if ended == Some(StepEnded::Switched(())) {
             self.switch();
         }
         ended
     }
 
     /// Runs in contact to the release or drive phase 0.
-    fn press(&mut self, watch: &mut impl Watch, most: u64) -> Option<Ended<()>> {
+    fn press(&mut self, watch: &mut impl ModesWatch, most: u64) -> Option<StepEnded<()>> {
         if self.state.t >= self.period_s {
-            return Some(Ended::AtStop);
+            return Some(StepEnded::AtStop);
         }
         loop {
             let (state, stop) = (self.state, self.period_s);
@@ -167,9 +167,9 @@ impl Hammer {
             self.state = step.end;
             watch.contact(&step.end, &step.totals);
             match ended {
-                Ended::Within => continue,
-                Ended::Switched(()) => self.switch(),
-                Ended::AtStop => self.pace.next = next(step.length, step.error),
+                StepEnded::Within => continue,
+                StepEnded::Switched(()) => self.switch(),
+                StepEnded::AtStop => self.pace.next = next(step.length, step.error),
             }
             return Some(ended);
         }
@@ -183,9 +183,13 @@ impl Hammer {
 }
 
 /// What the ledger needs of a step in contact.
-fn piece(flow: &ContactFlow, from: &State, step: &Step<f64, State, Totals>) -> Piece<f64> {
+fn piece(
+    flow: &ContactFlow,
+    from: &ModalState,
+    step: &FlowStep<f64, ModalState, FlowTotals>,
+) -> ContactPiece<f64> {
     let (start, end) = (flow.force(from), flow.force(&step.end));
-    Piece {
+    ContactPiece {
         span_s: step.end.t - from.t,
         force: (start.0, end.0),
         force_rate: (start.1, end.1),

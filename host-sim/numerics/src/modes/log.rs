@@ -1,6 +1,6 @@
 //! The contacts of a run from drive phase 0 to drive phase 0.
 
-use shared::model::contacts::{Contact, Ledger, Period, Piece};
+use shared::model::contacts::{Contact, ContactPiece, Ledger, Period};
 use shared::model::drive::{Stamp, TURN};
 
 /// What a period saw, and the strongest contact since it was last asked for.
@@ -31,7 +31,7 @@ impl Log {
     }
 
     /// Enters a piece of the contact under way.
-    pub fn add(&mut self, piece: &Piece<f64>) {
+    pub fn add(&mut self, piece: &ContactPiece<f64>) {
         self.ledger.add(piece);
     }
 

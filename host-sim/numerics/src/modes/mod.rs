@@ -20,9 +20,9 @@ pub mod linear;
 mod log;
 mod observe;
 
-pub use beam::{Beam, BendingMode, Tip};
-pub use hammer::{Hammer, Watch};
-pub use observe::{ModalObservation, ModesRequest, Row, observe};
+pub use beam::{Beam, BendingMode, TipJoint};
+pub use hammer::{Hammer, ModesWatch};
+pub use observe::{ModalObservation, ModesRequest, ModesRow, observe};
 
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
@@ -52,7 +52,7 @@ pub struct ModalRig {
 
 /// Where the hammer is: the modal coordinates and their rates at a time after drive phase 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub struct ModalState {
     /// Time since drive phase 0, s.
     pub t: f64,
     /// η_i, m: what each mode moves the hammer, relative to the cart.
@@ -61,7 +61,7 @@ pub struct State {
     pub v: PerMode,
 }
 
-impl State {
+impl ModalState {
     /// Δ, m: the hammer relative to the cart.
     pub fn tip(&self) -> f64 {
         self.q.iter().sum()
@@ -116,19 +116,19 @@ impl ModalRig {
     }
 
     /// δ, m, and δ̇, m/s.
-    pub fn penetration(&self, state: &State) -> (f64, f64) {
+    pub fn penetration(&self, state: &ModalState) -> (f64, f64) {
         (state.tip() - self.gap_m, state.tip_rate())
     }
 
     /// F as the law's formula gives it, N: negative where it would pull.
-    pub fn force(&self, state: &State) -> f64 {
+    pub fn force(&self, state: &ModalState) -> f64 {
         let (delta, rate) = self.penetration(state);
         self.law.force(delta, rate, 0.0)
     }
 
     /// Accelerations of the modes under the inertial acceleration `drive` (A0 Ω² sin Ωt, m/s²) and the contact force
     /// `force` (N), m/s².
-    pub fn accelerations(&self, state: &State, drive: f64, force: f64) -> PerMode {
+    pub fn accelerations(&self, state: &ModalState, drive: f64, force: f64) -> PerMode {
         let mut a = PerMode::default();
         for (i, mode) in self.modes.iter().enumerate() {
             let pushed = (mode.participation_kg * drive - force) / mode.mass_kg;
@@ -139,7 +139,7 @@ impl ModalRig {
     }
 
     /// Energy of each mode, J, relative to the cart.
-    pub fn energies(&self, state: &State) -> PerMode {
+    pub fn energies(&self, state: &ModalState) -> PerMode {
         let mut e = PerMode::default();
         for (i, mode) in self.modes.iter().enumerate() {
             let spring = mode.omega * state.q[i];
@@ -149,7 +149,7 @@ impl ModalRig {
     }
 
     /// What damping takes from each mode, W.
-    pub fn losses(&self, state: &State) -> PerMode {
+    pub fn losses(&self, state: &ModalState) -> PerMode {
         let mut p = PerMode::default();
         for (i, mode) in self.modes.iter().enumerate() {
             let c = 2.0 * self.damping_ratio * mode.omega * mode.mass_kg;
@@ -159,7 +159,7 @@ impl ModalRig {
     }
 
     /// What the inertial force gives all modes, W.
-    pub fn inertial_power(&self, state: &State, drive: f64) -> f64 {
+    pub fn inertial_power(&self, state: &ModalState, drive: f64) -> f64 {
         let each = self.modes.iter().zip(state.v);
         each.map(|(mode, v)| mode.participation_kg * drive * v)
             .sum()

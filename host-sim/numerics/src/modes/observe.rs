@@ -7,13 +7,13 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 
 use super::flight::Flight;
-use super::hammer::{Hammer, Watch};
-use super::linear::{Follower, Motion};
-use super::{Beam, MAX_MODES, ModalRig, PerMode, State, Tip};
+use super::hammer::{Hammer, ModesWatch};
+use super::linear::{Follower, LinearMotion};
+use super::{Beam, MAX_MODES, ModalRig, ModalState, PerMode, TipJoint};
 use crate::engine::Plan as Cycles;
 use crate::error::{Error, ModesError};
 use crate::progress::{Progress, step};
-use crate::reference::flow::Totals;
+use crate::reference::flow::FlowTotals;
 use crate::row::CartModel;
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
@@ -42,7 +42,7 @@ impl ModesRequest<'_> {
     ///
     /// # Errors
     /// As [`ModalRig::new`] and [`observe`]; also if the work is interrupted.
-    pub fn run(&self, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
+    pub fn run(&self, progress: &dyn Progress) -> Result<Vec<ModesRow>, Error> {
         let rigs = self
             .counts
             .iter()
@@ -57,13 +57,19 @@ impl ModesRequest<'_> {
             .map(|(hz, rig)| {
                 let params = &self.rig.params;
                 let seen = if params.cart.recoils() {
-                    let motion = Motion::of(params, self.beam, rig.modes.len(), hz)?;
+                    let motion = LinearMotion::of(params, self.beam, rig.modes.len(), hz)?;
                     watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?
                 } else {
                     observe(rig.clone(), hz, self.cycles)?
                 };
                 step(progress, 1)?;
-                Ok(Row::new(self.rig, self.beam, rig.modes.len(), hz, &seen))
+                Ok(ModesRow::new(
+                    self.rig,
+                    self.beam,
+                    rig.modes.len(),
+                    hz,
+                    &seen,
+                ))
             })
             .collect()
     }
@@ -107,21 +113,21 @@ pub fn observe(
 }
 
 /// A hammer that is run a drive period at a time.
-pub(super) trait Follow {
-    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64>;
-    fn at(&self) -> State;
+pub(super) trait PeriodRunner {
+    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64>;
+    fn at(&self) -> ModalState;
     /// The contact with the largest force since this was last asked.
     fn strongest(&mut self) -> Option<Contact<f64>>;
 }
 
-impl Follow for Hammer {
-    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64> {
+impl PeriodRunner for Hammer {
+    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64> {
         match sampler {
             Some(sampler) => self.run_period(sampler),
             None => self.run_period(&mut ()),
         }
     }
-    fn at(&self) -> State {
+    fn at(&self) -> ModalState {
         *self.state()
     }
     fn strongest(&mut self) -> Option<Contact<f64>> {
@@ -129,8 +135,8 @@ impl Follow for Hammer {
     }
 }
 
-impl Follow for Follower {
-    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64> {
+impl PeriodRunner for Follower {
+    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64> {
         let Some(sampler) = sampler else {
             return self.run_period(|_, _| {}, |_| {});
         };
@@ -139,7 +145,7 @@ impl Follow for Follower {
         sampler.contact_work += work;
         period
     }
-    fn at(&self) -> State {
+    fn at(&self) -> ModalState {
         self.state()
     }
     fn strongest(&mut self) -> Option<Contact<f64>> {
@@ -149,7 +155,7 @@ impl Follow for Follower {
 
 /// Runs `hammer` of `rig` through `cycles`.
 pub(super) fn watched(
-    mut hammer: impl Follow,
+    mut hammer: impl PeriodRunner,
     rig: &ModalRig,
     frequency_hz: f64,
     cycles: Cycles,
@@ -157,7 +163,7 @@ pub(super) fn watched(
     let amplitude = rig.amplitude_m;
     let omega = std::f64::consts::TAU * frequency_hz;
     let mut detector = Detector::new(amplitude, amplitude * omega);
-    let lost = |state: &State| -> Result<(), Error> {
+    let lost = |state: &ModalState| -> Result<(), Error> {
         if state.tip().abs() < 1.0 {
             return Ok(());
         }
@@ -170,7 +176,7 @@ pub(super) fn watched(
     hammer.strongest();
     let start = hammer.at();
     detector.push(start.tip(), start.tip_rate(), &Period::default());
-    let mut sampler = Sampler::new(rig.clone(), omega, start);
+    let mut sampler = ModesSampler::new(rig.clone(), omega, start);
     let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
     for _ in cycles.transient..cycles.cycles {
         let period = hammer.period(Some(&mut sampler));
@@ -195,7 +201,7 @@ pub(super) fn watched(
 }
 
 /// Follows a run at its contact steps and at even times of its flights; integrals by the trapezoidal rule.
-pub(super) struct Sampler {
+pub(super) struct ModesSampler {
     rig: ModalRig,
     omega: f64,
     reach: [f64; 2],
@@ -206,8 +212,8 @@ pub(super) struct Sampler {
     last: (f64, PerMode, PerMode),
 }
 
-impl Sampler {
-    fn new(rig: ModalRig, omega: f64, state: State) -> Self {
+impl ModesSampler {
+    fn new(rig: ModalRig, omega: f64, state: ModalState) -> Self {
         let last = (0.0, rig.energies(&state), rig.losses(&state));
         Self {
             rig,
@@ -221,7 +227,7 @@ impl Sampler {
     }
 
     /// The hammer at `state`, its cart `cart_m` off its course.
-    fn see(&mut self, state: &State, cart_m: f64) {
+    fn see(&mut self, state: &ModalState, cart_m: f64) {
         let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin() + cart_m;
         self.reach = [self.reach[0].min(x), self.reach[1].max(x)];
         let (energies, losses) = (self.rig.energies(state), self.rig.losses(state));
@@ -234,7 +240,7 @@ impl Sampler {
     }
 }
 
-impl Watch for Sampler {
+impl ModesWatch for ModesSampler {
     fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
         let every = std::f64::consts::TAU / self.omega / SAMPLES;
         let first = (from / every).floor() + 1.0;
@@ -246,7 +252,7 @@ impl Watch for Sampler {
         self.see(&flight.at(to), 0.0);
     }
 
-    fn contact(&mut self, end: &State, totals: &Totals) {
+    fn contact(&mut self, end: &ModalState, totals: &FlowTotals) {
         self.see(end, 0.0);
         self.contact_work += totals.contact_work;
     }
@@ -254,7 +260,7 @@ impl Watch for Sampler {
 
 /// One run as a row of a table. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ModesRow {
     /// Name of the rig.
     pub rig: String,
     /// Clearance at rest, mm.
@@ -262,7 +268,7 @@ pub struct Row {
     /// How the cart is moved.
     pub cart: CartModel,
     /// How the hammer holds the beam's end.
-    pub tip: Tip,
+    pub tip: TipJoint,
     /// Mass of the springs over the hammer's.
     pub springs_mass_ratio: f64,
     /// Modes kept.
@@ -312,7 +318,7 @@ pub struct Row {
     pub energy_share_6_to_8: f64,
 }
 
-impl Row {
+impl ModesRow {
     fn new(
         rig: &NamedRig,
         beam: Beam,

@@ -6,10 +6,10 @@ use super::flight::Flight;
 use super::*;
 use crate::engine::Plan as Cycles;
 use crate::reference::Reference;
-use crate::reference::flow::Totals;
+use crate::reference::flow::FlowTotals;
 
 const BEAM: Beam = Beam {
-    tip: Tip::Guided,
+    tip: TipJoint::Guided,
     mass_ratio: 0.1,
 };
 
@@ -70,10 +70,10 @@ fn one_mode_is_the_reference_of_the_beam_rig() {
 struct Audit {
     rig: ModalRig,
     omega: f64,
-    totals: Totals,
+    totals: FlowTotals,
 }
 
-impl Watch for Audit {
+impl ModesWatch for Audit {
     fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
         // Gauss–Legendre with three points, on pieces of 0.15 rad of the fastest mode: the power, at twice its
         // frequency, errs by 0.3⁶/2e6 = 4e-10.
@@ -97,7 +97,7 @@ impl Watch for Audit {
         }
     }
 
-    fn contact(&mut self, _: &State, totals: &Totals) {
+    fn contact(&mut self, _: &ModalState, totals: &FlowTotals) {
         self.totals.add(totals, 1.0);
     }
 }
@@ -112,7 +112,7 @@ fn energy_is_accounted_for() {
         let mut audit = Audit {
             rig: rig.clone(),
             omega: TAU * hz,
-            totals: Totals::default(),
+            totals: FlowTotals::default(),
         };
         for _ in 0..40 {
             hammer.run_period(&mut audit);
@@ -138,7 +138,7 @@ fn three_modes_move_as_a_plain_integration_says() {
     let hz = 8.0;
     let omega = TAU * hz;
     let mut hammer = Hammer::at_rest(rig.clone(), hz);
-    let rates = |s: &State| {
+    let rates = |s: &ModalState| {
         let (delta, _) = rig.penetration(s);
         let force = if delta > 0.0 {
             rig.force(s).max(0.0)
@@ -148,7 +148,7 @@ fn three_modes_move_as_a_plain_integration_says() {
         let drive = rig.amplitude_m * omega * omega * (omega * s.t).sin();
         rig.accelerations(s, drive, force)
     };
-    let moved = |s: &State, v: &PerMode, a: &PerMode, h: f64| {
+    let moved = |s: &ModalState, v: &PerMode, a: &PerMode, h: f64| {
         let mut s = *s;
         s.t += h;
         for i in 0..MAX_MODES {
@@ -157,7 +157,7 @@ fn three_modes_move_as_a_plain_integration_says() {
         }
         s
     };
-    let mut s = State::default();
+    let mut s = ModalState::default();
     for _ in 0..4 {
         hammer.run_period(&mut ());
         s.t = 0.0;
@@ -193,7 +193,7 @@ fn three_modes_move_as_a_plain_integration_says() {
 fn a_flight_is_never_followed_through_the_surface() {
     // At every contact step and on a fine grid of the flights: δ > 0 with F > 0 is contact, nothing else.
     struct Deepest(ModalRig, f64);
-    impl Watch for Deepest {
+    impl ModesWatch for Deepest {
         fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
             let n = ((to - from) / 5e-6).ceil();
             for k in 1..n as usize {

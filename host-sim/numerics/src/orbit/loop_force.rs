@@ -4,7 +4,7 @@ use shared::model::cart::Cart;
 use shared::model::params::RigParams;
 
 use super::Orbit;
-use crate::reference::{Observer, Reference, Segment};
+use crate::reference::{Reference, Segment, TrajectoryObserver};
 
 /// Points of a smooth piece at which the force is taken, beside its start.
 const POINTS: u32 = 4;
@@ -37,7 +37,7 @@ struct Largest {
     force_n: f64,
 }
 
-impl Observer for Largest {
+impl TrajectoryObserver for Largest {
     fn segment(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.t, segment.end.t);
         for k in 0..=POINTS {

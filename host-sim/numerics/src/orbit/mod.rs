@@ -8,10 +8,10 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::dual::Dual;
-use crate::reference::{Contact, Reference, TOLERANCE};
+use crate::reference::{LocatedContact, Reference, TOLERANCE};
 pub use loop_force::loop_force_n;
 pub use monodromy::{Monodromy, Multipliers};
-pub use watch::Watch;
+pub use watch::OrbitWatch;
 
 /// A point of the section: coordinate and rate of the hammer, deviation of the cart from its course (m) and its rate (m/s).
 /// The last two are 0 with a prescribed cart.
@@ -44,9 +44,9 @@ pub struct Orbit {
     /// Largest contact force in each drive period, N, from the section point of the same index on.
     pub period_forces_n: Vec<f64>,
     /// The contact with the largest force.
-    pub contact: Contact,
+    pub contact: LocatedContact,
     /// What else was seen on the way round.
-    pub seen: Watch,
+    pub seen: OrbitWatch,
     /// Energy the shaker puts in per drive period, J: what contact and damping take.
     pub energy_per_period_j: f64,
 }
@@ -211,7 +211,7 @@ pub(crate) fn shoot_to(
 ) -> Option<Orbit> {
     let mut x = guess;
     for _ in 0..ITERATIONS {
-        let image = Image::to(exactness, params, frequency_hz, x, periods)?;
+        let image = ReturnMapImage::to(exactness, params, frequency_hz, x, periods)?;
         let miss = image.miss(x);
         if largest(miss) < exactness.closure {
             return image.orbit(frequency_hz, x);
@@ -244,7 +244,7 @@ pub(crate) fn largest(x: Section) -> f64 {
 }
 
 /// The return map of some periods with its derivative, and what happened on the way.
-pub(crate) struct Image {
+pub(crate) struct ReturnMapImage {
     end: Section,
     monodromy: Monodromy,
     /// A0 and A0 Ω in the rig's coordinate, and in m and m/s.
@@ -252,11 +252,11 @@ pub(crate) struct Image {
     onsets: u16,
     period_forces_n: Vec<f64>,
     strobes: Vec<[f64; 2]>,
-    seen: Watch,
+    seen: OrbitWatch,
     energy_j: f64,
 }
 
-impl Image {
+impl ReturnMapImage {
     /// Of the section point `x` after `periods`. `None` for a point that belongs to no orbit, or whose motion cannot
     /// be followed.
     pub(crate) fn of(
@@ -307,7 +307,7 @@ impl Image {
         let amplitude = hammer.rig().amplitude();
         let rate = |unit: f64| unit * std::f64::consts::TAU * frequency_hz;
         let units = [scale, rate(scale), amplitude, rate(amplitude)];
-        let mut seen = Watch::default();
+        let mut seen = OrbitWatch::default();
         let (mut onsets, mut period_forces_n) = (0_u16, Vec::new());
         let mut strobes = vec![[x[0], x[1]]];
         for _ in 0..periods {
@@ -332,8 +332,11 @@ impl Image {
             let end_s = f64::from(periods) * hammer.period_s();
             let mut after = Vec::new();
             hammer.run_period(&mut after);
-            seen.contacts
-                .extend(after.into_iter().filter(|c: &Contact| c.onset_s < end_s));
+            seen.contacts.extend(
+                after
+                    .into_iter()
+                    .filter(|c: &LocatedContact| c.onset_s < end_s),
+            );
         }
         let mut derivative = [[0.0; 4]; 4];
         for i in 0..N {

@@ -1,15 +1,15 @@
 //! What is seen along an orbit: its contacts, its near misses, and whether the contact law was obeyed.
 
-use shared::model::rig::Mode;
+use shared::model::rig::SwitchMode;
 
-use crate::reference::{Contact, Observer, Segment};
+use crate::reference::{LocatedContact, Segment, TrajectoryObserver};
 use crate::root::halved;
 
 /// What happened along a trajectory.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Watch {
+pub struct OrbitWatch {
     /// Finished contacts, in order.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<LocatedContact>,
     /// The smallest clearance at which the hammer turned back in flight without touching, m; none: it never did.
     pub near_miss_m: Option<f64>,
     /// When that was, drive periods since the start.
@@ -22,12 +22,12 @@ pub struct Watch {
     mass_kg: f64,
 }
 
-impl Observer for Watch {
+impl TrajectoryObserver for OrbitWatch {
     fn segment(&mut self, segment: &Segment) {
         self.mass_kg = segment.rig.mass();
         match segment.mode {
-            Mode::Flight => self.flight(segment),
-            Mode::Contact => {
+            SwitchMode::Flight => self.flight(segment),
+            SwitchMode::Contact => {
                 for point in [segment.start, segment.end] {
                     let at = segment.rig.kinematics(point.q, point.v);
                     let pull = -segment.rig.force(&at, segment.approach);
@@ -37,21 +37,21 @@ impl Observer for Watch {
         }
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &LocatedContact) {
         self.contacts.push(*contact);
     }
 }
 
-impl Watch {
+impl OrbitWatch {
     /// The contacts that can graze: those that are missed when their approach speed passes 0.
-    pub fn grazing_contacts(&self) -> impl Iterator<Item = &Contact> {
+    pub fn grazing_contacts(&self) -> impl Iterator<Item = &LocatedContact> {
         self.contacts.iter().filter(|c| self.can_graze(c))
     }
 
     /// Whether what acts on the hammer besides the surface draws it away during the contact: the surface then gives it
     /// less than its change of momentum. A contact into which it is pressed is not missed when its approach speed
     /// passes 0: it then begins inside the surface, where the damper lets go of it and F comes back to 0.
-    fn can_graze(&self, contact: &Contact) -> bool {
+    fn can_graze(&self, contact: &LocatedContact) -> bool {
         let change = contact.approach_speed_m_per_s + contact.rebound_speed_m_per_s;
         contact.impulse_n_s < self.mass_kg * change
     }
@@ -60,7 +60,7 @@ impl Watch {
     /// none with fewer than two contacts.
     pub fn shortest_flight(&self, period_s: f64) -> Option<f64> {
         let (first, last) = (self.contacts.first()?, self.contacts.last()?);
-        let again = Contact {
+        let again = LocatedContact {
             onset_s: first.onset_s + period_s,
             ..*first
         };

@@ -1,9 +1,9 @@
 //! Another amplitude: a lower one where the shaker cannot give the rig's, or the one that gives the force wanted.
 
 use super::answer::shaker_force;
-use super::choose::Field;
+use super::choose::PickField;
 use super::{best_branch, range};
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
 use crate::row::NamedRig;
@@ -16,7 +16,7 @@ const TRIALS: usize = 10;
 
 /// `rig` at the amplitude at which its strongest nominal 1/1 needs no more than the shaker's limits allow. None if it does
 /// at the rig's own, so that lowering it is no help, or at no lower one.
-pub fn lowered(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<NamedRig> {
+pub fn lowered(rig: &NamedRig, limits: PickLimits, progress: &dyn Progress) -> Option<NamedRig> {
     let most = limits.shaker_force_n(&rig.params)?;
     let free = limits.without_the_shaker();
     lower_until(rig, |lower| {
@@ -73,9 +73,9 @@ pub fn for_force<T, E>(
 }
 
 /// The strongest nominal 1/1 of `rig` within `limits`.
-pub fn strongest(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Orbit> {
+pub fn strongest(rig: &NamedRig, limits: PickLimits, progress: &dyn Progress) -> Option<Orbit> {
     let branch = best_branch(rig).ok()?;
-    let field = Field {
+    let field = PickField {
         rig,
         branch: &branch,
         members: &[],

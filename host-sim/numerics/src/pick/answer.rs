@@ -9,7 +9,7 @@ use shared::model::regime::Regime;
 
 use super::bending::Bending;
 use super::sensitivity::Sensitivity;
-use crate::branch::End;
+use crate::branch::BranchEnd;
 use crate::limits::LimitUse;
 use crate::orbit::{Orbit, loop_force_n};
 use crate::row::NamedRig;
@@ -18,7 +18,7 @@ use crate::uncertainty::Uncertainty;
 
 /// What the shaker must give at the operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Shaker {
+pub struct ShakerNeed {
     /// Stroke, peak to peak, mm.
     pub stroke_mm: f64,
     /// Peak velocity A0 Ω, m/s.
@@ -42,14 +42,14 @@ pub struct Shaker {
 
 /// Where the hammer is strongest, and how strong.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strongest {
+pub struct StrongestPoint {
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
     /// Contact force over m g.
     pub force_ratio: f64,
 }
 
-impl Strongest {
+impl StrongestPoint {
     /// Of `orbit`.
     pub fn of(orbit: &Orbit, params: &RigParams) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Strongest {
 
 /// The answer.
 #[derive(Clone, Debug, Serialize)]
-pub struct Answer {
+pub struct PickAnswer {
     /// Name of the rig.
     pub rig: String,
     /// Clearance at rest, mm.
@@ -125,7 +125,7 @@ pub struct Answer {
     /// Where the nominal 1/1 is stable, Hz.
     pub stable_one_one_hz: [f64; 2],
     /// How the stable 1/1 ends, below and above.
-    pub stable_one_one_ends: [End; 2],
+    pub stable_one_one_ends: [BranchEnd; 2],
     /// Where 1/1 is stable over the whole uncertainty, Hz.
     pub robust_band_hz: [f64; 2],
     /// Where the nominal 1/1 doubles its period, Hz; none if it ends otherwise.
@@ -155,7 +155,7 @@ pub struct Answer {
     /// Force ratio when driven at the natural frequency (Ω = ω).
     pub force_ratio_at_natural_frequency: f64,
     /// What the shaker must give.
-    pub shaker: Shaker,
+    pub shaker: ShakerNeed,
     /// Largest force of the shaker at the best nominal frequency with the rig's own amplitude, no limits, N; none on ground
     /// that gives way.
     pub shaker_force_at_optimum_n: Option<f64>,
@@ -193,11 +193,11 @@ pub fn impact_power(orbit: &Orbit) -> f64 {
 }
 
 /// What the shaker must give for `orbit`.
-pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> Shaker {
+pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> ShakerNeed {
     let params = &rig.params;
     let (amplitude, omega) = (params.amplitude_m, TAU * orbit.frequency_hz);
     let moved_kg = params.cart_mass_kg + params.mass_kg;
-    Shaker {
+    ShakerNeed {
         stroke_mm: tidy(2e3 * amplitude),
         velocity_m_per_s: amplitude * omega,
         acceleration_m_per_s2: amplitude * omega.powi(2),

@@ -14,8 +14,8 @@ use shared::model::params::{RigParams, SupportParams};
 
 use super::BAND_SHARE;
 use crate::error::Error;
-use crate::modes::linear::{ModalOrbit, Motion};
-use crate::modes::{Beam, Tip};
+use crate::modes::linear::{LinearMotion, ModalOrbit};
+use crate::modes::{Beam, TipJoint};
 use crate::progress::{Progress, check};
 use crate::sweep::spread;
 use crate::uncertainty::Member;
@@ -49,7 +49,7 @@ impl Default for Springs {
     fn default() -> Self {
         Self {
             beam: Beam {
-                tip: Tip::Guided,
+                tip: TipJoint::Guided,
                 mass_ratio: 0.1,
             },
             mass_percent: 20.0,
@@ -110,7 +110,7 @@ pub struct Bending {
 
 /// What is checked.
 #[derive(Clone, Copy)]
-pub struct Request<'a> {
+pub struct BendingRequest<'a> {
     /// The nominal rig.
     pub params: &'a RigParams,
     /// Its springs.
@@ -150,7 +150,7 @@ struct Modal<'a> {
 
 impl Modal<'_> {
     fn at(&self, hz: f64, near: Option<&ModalOrbit>) -> Option<ModalOrbit> {
-        let motion = Motion::of(self.params, self.beam, self.modes, hz).ok()?;
+        let motion = LinearMotion::of(self.params, self.beam, self.modes, hz).ok()?;
         motion.orbit(near)
     }
 
@@ -172,7 +172,7 @@ fn force(orbit: Option<&ModalOrbit>) -> f64 {
     orbit.map_or(0.0, |orbit| orbit.force_n)
 }
 
-impl Request<'_> {
+impl BendingRequest<'_> {
     /// What the modes say. None for wires and where they cannot be computed, or have no stable 1/1 anywhere in the band.
     ///
     /// # Errors
@@ -180,7 +180,7 @@ impl Request<'_> {
     pub fn run(&self, progress: &dyn Progress) -> Result<Option<Bent>, Error> {
         let beam = self.springs.beam;
         if !on_beams(self.params)
-            || Motion::of(self.params, beam, MOST_MODES, self.chosen_hz).is_err()
+            || LinearMotion::of(self.params, beam, MOST_MODES, self.chosen_hz).is_err()
         {
             return Ok(None);
         }
@@ -431,8 +431,8 @@ mod tests {
         params: &'a RigParams,
         members: &'a [Member],
         hz: (f64, f64, f64),
-    ) -> Request<'a> {
-        Request {
+    ) -> BendingRequest<'a> {
+        BendingRequest {
             params,
             springs: Springs::default(),
             members,

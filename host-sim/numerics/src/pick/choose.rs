@@ -3,20 +3,20 @@
 use super::answer::{drive_force, shaker_force};
 use super::follow::Followed;
 use super::robust::with_reserve;
-use super::search::{Spread, interval_where, maximise, spread_of_members};
+use super::search::{ForceSpread, interval_where, maximise, spread_of_members};
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
-use crate::limits::{LimitUse, Limits};
+use crate::limits::{LimitUse, PickLimits};
 use crate::orbit::Orbit;
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
 
 /// The orbit chosen.
-pub struct Choice {
+pub struct ChosenOrbit {
     /// The nominal orbit.
     pub orbit: Orbit,
     /// Forces over the uncertainty.
-    pub spread: Spread,
+    pub spread: ForceSpread,
     /// The part of the robust range about it that the limits allow, Hz.
     pub allowed: (f64, f64),
     /// Limits, and which decide.
@@ -25,7 +25,7 @@ pub struct Choice {
 
 /// What is chosen from: the nominal branch, and the rigs the real one may be.
 #[derive(Clone, Copy)]
-pub struct Field<'a> {
+pub struct PickField<'a> {
     /// The nominal rig.
     pub rig: &'a NamedRig,
     /// Its stable 1/1.
@@ -36,9 +36,9 @@ pub struct Field<'a> {
     pub progress: &'a dyn Progress,
 }
 
-impl Field<'_> {
+impl PickField<'_> {
     /// The highest frequency allowed by the limits that need no orbit, Hz.
-    fn top(&self, limits: Limits) -> f64 {
+    fn top(&self, limits: PickLimits) -> f64 {
         let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
         let params = &self.rig.params;
         if params.cart.recoils() {
@@ -66,7 +66,7 @@ impl Field<'_> {
     }
 
     /// The same within the force that the shaker can give, too.
-    fn within(&self, hz: f64, limits: Limits) -> Option<Orbit> {
+    fn within(&self, hz: f64, limits: PickLimits) -> Option<Orbit> {
         let orbit = self.within_force(hz, limits.max_force_n)?;
         let params = &self.rig.params;
         // With a prescribed cart it bounds the frequency.
@@ -79,7 +79,7 @@ impl Field<'_> {
 
     /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
     /// limit; the lower one is taken, which needs less of the shaker and is farther from the doubling.
-    pub fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
+    pub fn best(&self, range_hz: (f64, f64), limits: PickLimits) -> Option<Orbit> {
         let range_hz = (range_hz.0, self.top(limits).min(range_hz.1));
         if range_hz.1 < range_hz.0 {
             return None;
@@ -100,7 +100,7 @@ impl Field<'_> {
     }
 
     /// The part of `range_hz` about `from_hz` that `limits` allow.
-    fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
+    fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: PickLimits) -> (f64, f64) {
         let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
         let by_shaker = limits.shaker_force_n(&self.rig.params).is_some();
         if limits.max_force_n.is_none() && !by_shaker {
@@ -121,11 +121,11 @@ impl Field<'_> {
     ///
     /// # Errors
     /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
-    pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
+    pub fn choose(&self, robust: (f64, f64), limits: PickLimits) -> Result<ChosenOrbit, Error> {
         let kept = with_reserve(robust, !self.members.is_empty());
         let mut strong: Vec<Followed> = Vec::new();
         loop {
-            let search = Field {
+            let search = PickField {
                 members: &strong,
                 ..*self
             };
@@ -148,7 +148,7 @@ impl Field<'_> {
                 let mut limits = search.which_decide(&orbit, (robust, kept), limits);
                 check(self.progress)?;
                 limits.retain(|l| l.limit.is_some() || !self.members.is_empty());
-                return Ok(Choice {
+                return Ok(ChosenOrbit {
                     orbit,
                     spread,
                     allowed,
@@ -160,7 +160,12 @@ impl Field<'_> {
     }
 
     /// The strongest member, if it breaks the force limit and is not among those known to.
-    fn breaks(&self, spread: &Spread, known: &[Followed], limits: Limits) -> Option<Followed> {
+    fn breaks(
+        &self,
+        spread: &ForceSpread,
+        known: &[Followed],
+        limits: PickLimits,
+    ) -> Option<Followed> {
         let max = limits.max_force_n?;
         let member = &self.members[spread.strongest?];
         (spread.strongest_n > max && !known.contains(member)).then(|| member.clone())
@@ -176,7 +181,7 @@ impl Field<'_> {
     ///
     /// # Errors
     /// If a member has no stable 1/1 there.
-    pub fn spread(&self, orbit: &Orbit) -> Result<Spread, Error> {
+    pub fn spread(&self, orbit: &Orbit) -> Result<ForceSpread, Error> {
         spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
             self.rig.no_pick(PickError::MemberLost {
                 frequency_hz: orbit.frequency_hz,
@@ -185,9 +190,9 @@ impl Field<'_> {
     }
 
     /// The error that says that nothing in `robust` keeps `limits`.
-    pub fn nothing(&self, robust: (f64, f64), limits: Limits) -> Error {
+    pub fn nothing(&self, robust: (f64, f64), limits: PickLimits) -> Error {
         // The shaker's own limit is named only where it matters.
-        let asked = Limits {
+        let asked = PickLimits {
             rig_shaker_force_n: None,
             ..limits
         };
@@ -205,7 +210,7 @@ impl Field<'_> {
 
     /// The smallest limits that leave something of `robust`, for those of `limits` that leave nothing: of frequency and drive
     /// force by themselves, of the other forces on what these two leave.
-    fn feasible(&self, robust: (f64, f64), limits: Limits) -> Limits {
+    fn feasible(&self, robust: (f64, f64), limits: PickLimits) -> PickLimits {
         let params = &self.rig.params;
         let top = self.top(limits);
         let open = if top >= robust.0 {
@@ -235,7 +240,7 @@ impl Field<'_> {
         let shaker =
             |most: Option<f64>| most.and_then(|most| least_held_n().filter(|least| most < *least));
         let beyond = |limit: Option<f64>, least: f64| limit.filter(|x| *x < least).map(|_| least);
-        Limits {
+        PickLimits {
             max_force_n: limits
                 .max_force_n
                 .and_then(|max| softest_n().filter(|least| max < *least)),
@@ -250,12 +255,12 @@ impl Field<'_> {
         &self,
         orbit: &Orbit,
         (robust, kept): ((f64, f64), (f64, f64)),
-        limits: Limits,
+        limits: PickLimits,
     ) -> Vec<LimitUse> {
         let more = |found: Option<Orbit>| {
             found.is_some_and(|other| other.force_n > orbit.force_n * (1.0 + 1e-6))
         };
-        let certain = Field {
+        let certain = PickField {
             members: &[],
             ..*self
         };

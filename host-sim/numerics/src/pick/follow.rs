@@ -6,7 +6,7 @@ use shared::model::params::RigParams;
 
 use super::range;
 use super::search::{follow_member, own_branch};
-use crate::branch::{Branch, End};
+use crate::branch::{Branch, BranchEnd};
 use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
 use crate::sweep::spread;
 use crate::uncertainty::Member;
@@ -17,12 +17,12 @@ pub struct Followed {
     /// Which.
     pub member: Member,
     /// Its orbits by rising frequency; empty where it has not been followed.
-    pub orbits: Vec<Known>,
+    pub orbits: Vec<KnownOrbit>,
 }
 
 /// An orbit of a rig of the uncertainty, to what a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Known {
+pub struct KnownOrbit {
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
     /// Its contact force, N.
@@ -31,7 +31,7 @@ pub struct Known {
     pub beside: Section,
 }
 
-impl Known {
+impl KnownOrbit {
     /// Of an orbit and the nominal one at the same frequency.
     pub fn of(orbit: &Orbit, nominal: &Orbit) -> Self {
         let (a, b) = (orbit.at(), nominal.at());
@@ -73,13 +73,13 @@ impl From<Member> for Followed {
 
 impl Followed {
     /// What is known at `frequency_hz`, from the two orbits on either side. None beyond the orbits.
-    pub fn known_at(&self, frequency_hz: f64) -> Option<Known> {
+    pub fn known_at(&self, frequency_hz: f64) -> Option<KnownOrbit> {
         let above = (self.orbits).partition_point(|o| o.frequency_hz < frequency_hz);
         if above == 0 || above == self.orbits.len() {
             return None;
         }
         let near = above.saturating_sub(2)..(above + 2).min(self.orbits.len());
-        Some(Known::between(&self.orbits[near], frequency_hz))
+        Some(KnownOrbit::between(&self.orbits[near], frequency_hz))
     }
 
     /// Its 1/1 at the frequency of the nominal `orbit`, if that is stable.
@@ -110,7 +110,7 @@ pub(super) fn along(
     let own = own_branch(params, member, branch, nominal.frequency_hz, limits_hz)?;
     let known = own.orbits.iter().filter_map(|orbit| {
         let nominal = branch.at(params, orbit.frequency_hz)?;
-        Some(Known::of(orbit, &nominal))
+        Some(KnownOrbit::of(orbit, &nominal))
     });
     let mut orbits: Vec<_> = known.collect();
     orbits.dedup_by(|a, b| a.frequency_hz == b.frequency_hz);
@@ -169,19 +169,19 @@ fn one_way<'a>(
     (start, middle): (&Orbit, &Orbit),
     nodes: impl Iterator<Item = &'a Orbit>,
     nominal: impl Fn(f64) -> Option<Orbit>,
-) -> (Vec<Known>, f64) {
+) -> (Vec<KnownOrbit>, f64) {
     let mut last = start.clone();
-    let mut orbits = vec![Known::of(start, middle)];
+    let mut orbits = vec![KnownOrbit::of(start, middle)];
     for node in nodes {
         let guess = guess(node, &orbits);
         let sure = surely_stable(rig, node.frequency_hz, guess).map(|next| (next, true));
         let (next, goes_on) = sure.unwrap_or_else(|| to_the_end(rig, &last, node.frequency_hz));
         if !goes_on {
-            let known = nominal(next.frequency_hz).map(|nominal| Known::of(&next, &nominal));
+            let known = nominal(next.frequency_hz).map(|nominal| KnownOrbit::of(&next, &nominal));
             orbits.extend(known.filter(|_| next.frequency_hz != last.frequency_hz));
             return (orbits, next.frequency_hz);
         }
-        orbits.push(Known::of(&next, node));
+        orbits.push(KnownOrbit::of(&next, node));
         last = next;
     }
     (orbits, last.frequency_hz)
@@ -196,11 +196,11 @@ fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> (Orbit, bool) {
         near.orbits.reverse();
     }
     let end = near.orbits.pop().unwrap_or_else(|| last.clone());
-    (end, edge.end == End::SearchLimit)
+    (end, edge.end == BranchEnd::SearchLimit)
 }
 
 /// Where the orbit beside `node` is sought: on the parabola through the last three.
-fn guess(node: &Orbit, orbits: &[Known]) -> Section {
+fn guess(node: &Orbit, orbits: &[KnownOrbit]) -> Section {
     let weights: &[f64] = match orbits.len() {
         1 => &[1.0],
         2 => &[-1.0, 2.0],

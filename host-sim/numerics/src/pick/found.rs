@@ -1,12 +1,12 @@
 //! What was found, as the answer for tables and text.
 
-use super::answer::{Answer, Strongest, impact_power, shaker, shaker_force};
+use super::answer::{PickAnswer, StrongestPoint, impact_power, shaker, shaker_force};
 use super::bending::{Bending, on_beams};
-use super::choose::Choice;
+use super::choose::ChosenOrbit;
 use super::range;
 use super::runs::Runs;
 use super::sensitivity::Sensitivity;
-use crate::branch::{Branch, End};
+use crate::branch::{Branch, BranchEnd};
 use crate::orbit::Orbit;
 use crate::row::CartModel;
 use crate::row::{NamedRig, tidy};
@@ -20,7 +20,7 @@ pub(super) struct SafeBand {
 }
 
 /// Everything the answer is made of.
-pub(super) struct Found<'a> {
+pub(super) struct PickParts<'a> {
     pub(super) rig: &'a NamedRig,
     pub(super) branch: &'a Branch,
     /// The strongest nominal orbit, without uncertainty and limits.
@@ -33,9 +33,9 @@ pub(super) struct Found<'a> {
     pub(super) band: (f64, f64),
     pub(super) safe_band: SafeBand,
     /// How strong the nominal rig is with its cart and with the other one: [`super::comparable`].
-    pub(super) own: Strongest,
-    pub(super) other: Option<Strongest>,
-    pub(super) choice: Choice,
+    pub(super) own: StrongestPoint,
+    pub(super) other: Option<StrongestPoint>,
+    pub(super) choice: ChosenOrbit,
     /// [`Jumps::at_hz`].
     pub(super) jumps: &'a [f64],
     pub(super) runs: Runs,
@@ -44,9 +44,9 @@ pub(super) struct Found<'a> {
     pub(super) bending: Option<Bending>,
 }
 
-impl Found<'_> {
+impl PickParts<'_> {
     /// The answer for tables and text.
-    pub(super) fn answer(self) -> Answer {
+    pub(super) fn answer(self) -> PickAnswer {
         let params = &self.rig.params;
         let weight = params.weight_n();
         let chosen = &self.choice.orbit;
@@ -58,8 +58,8 @@ impl Found<'_> {
             CartModel::Prescribed => (self.other, Some(self.own)),
         };
         let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
-        let doubles = self.branch.high.end == End::PeriodDoubling;
-        Answer {
+        let doubles = self.branch.high.end == BranchEnd::PeriodDoubling;
+        PickAnswer {
             rig: self.rig.name.clone(),
             gap_mm: tidy(params.gap_m * 1e3),
             cart,

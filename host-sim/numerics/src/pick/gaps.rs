@@ -4,11 +4,11 @@
 use shared::model::regime::Regime;
 
 use super::{Pick, Springs, pick_on, steps};
-use crate::basins::start::{self, Drive, Fate, Window};
-use crate::basins::{BasinsRequest, Share};
+use crate::basins::start::{self, BasinDrive, Fate, StartWindow};
+use crate::basins::{BasinsRequest, SampledShare};
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::progress::Progress;
 use crate::row::NamedRig;
 use crate::row::tidy;
@@ -52,9 +52,9 @@ pub struct GapPick {
     /// The regime a run from rest settles on at the operating frequency.
     pub from_rest: Regime,
     /// Share of the starts that end on the orbit picked; `None` without starts.
-    pub basin: Option<Share>,
+    pub basin: Option<SampledShare>,
     /// Share of the starts that end without impact; `None` without starts.
-    pub silent: Option<Share>,
+    pub silent: Option<SampledShare>,
 }
 
 impl GapPick {
@@ -98,7 +98,7 @@ pub fn advise(
     rig: &NamedRig,
     gaps_mm: &[f64],
     (uncertainty, springs): (Option<Uncertainty>, Springs),
-    limits: Limits,
+    limits: PickLimits,
     (starts, seed): (u32, u64),
     progress: &dyn Progress,
 ) -> Result<GapAdvice, Error> {
@@ -121,7 +121,7 @@ pub fn advise(
             pick: found,
         });
     }
-    let window = Window::usual(&rig.params, 1, 1);
+    let window = StartWindow::usual(&rig.params, 1, 1);
     Ok(GapAdvice {
         rig: rig.name.clone(),
         advised: advised(&gaps),
@@ -144,7 +144,7 @@ fn gap_pick(
     let fates = fates(rig, hz, starts, seed, progress)?;
     let share = |is: &dyn Fn(&Fate) -> bool| {
         let count = fates.iter().filter(|fate| is(fate)).count();
-        Share::wilson(count as u64, fates.len() as u64)
+        SampledShare::wilson(count as u64, fates.len() as u64)
     };
     Ok(GapPick {
         operating_frequency_hz: hz,
@@ -176,7 +176,7 @@ fn fates(
         recorded,
         ..
     } = BasinsRequest::usual(rig.clone(), frequency_hz, 1, 1);
-    let drive = Drive {
+    let drive = BasinDrive {
         params: rig.params,
         frequency_hz,
         phase,
@@ -238,7 +238,7 @@ mod tests {
                 jump_free: !jumps,
                 jump_range_hz: None,
                 from_rest: Regime::None,
-                basin: Some(Share::wilson(basin, 10)),
+                basin: Some(SampledShare::wilson(basin, 10)),
                 silent: None,
             }),
         }
@@ -270,7 +270,7 @@ mod tests {
             &rig,
             &[0.0, 2.4],
             (None, Springs::default()),
-            Limits::default(),
+            PickLimits::default(),
             (40, 1),
             &(),
         )
@@ -284,7 +284,7 @@ mod tests {
             &rig,
             &[70.0],
             (None, Springs::default()),
-            Limits::default(),
+            PickLimits::default(),
             (1, 1),
             &(),
         );

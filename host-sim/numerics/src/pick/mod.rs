@@ -25,19 +25,19 @@ use shared::model::rig::Rig;
 
 use crate::branch::{Branch, one_one_branches};
 use crate::error::{Error, PickError};
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::orbit::Orbit;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::root::halved;
-use crate::row::{NamedRig, Row};
+use crate::row::{NamedRig, RunRow};
 use crate::sweep::spread;
 use crate::uncertainty::Uncertainty;
 use amplitude::{lowered, strongest};
-pub use answer::{Answer, Strongest};
+pub use answer::{PickAnswer, StrongestPoint};
 use answer::{impact_power, shaker_force};
 pub use bending::Springs;
-use choose::Field;
-use found::{Found, SafeBand};
+use choose::PickField;
+use found::{PickParts, SafeBand};
 pub(crate) use robust::largest_share;
 use robust::robust_range;
 pub(crate) use robust::with_reserve;
@@ -59,15 +59,15 @@ pub(crate) const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 #[derive(Clone, Debug)]
 pub struct Pick {
     /// The answer.
-    pub answer: Answer,
+    pub answer: PickAnswer,
     /// The nominal stable 1/1: (Hz, force ratio).
     pub curve: Vec<(f64, f64)>,
     /// Where 1/1 is stable over the whole uncertainty: (Hz, smallest and largest force ratio over it). Empty without one.
     pub force_range: Vec<[f64; 3]>,
     /// The sweep up across it.
-    pub up: Vec<Row>,
+    pub up: Vec<RunRow>,
     /// The sweep down.
-    pub down: Vec<Row>,
+    pub down: Vec<RunRow>,
     /// Section of the orbit picked, in A0 and A0 Ω of the rig's coordinate.
     pub section: [f64; 2],
 }
@@ -81,7 +81,7 @@ pub struct Pick {
 pub fn pick(
     rig: &NamedRig,
     uncertainty: Option<Uncertainty>,
-    limits: Limits,
+    limits: PickLimits,
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
     pick_on(rig, Springs::default(), uncertainty, limits, progress)
@@ -97,7 +97,7 @@ pub fn pick_on(
     rig: &NamedRig,
     springs: Springs,
     uncertainty: Option<Uncertainty>,
-    limits: Limits,
+    limits: PickLimits,
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
     let limits = limits.with_shaker_of(&rig.params);
@@ -128,7 +128,7 @@ pub fn pick_for_force(
     rig: &NamedRig,
     springs: Springs,
     uncertainty: Option<Uncertainty>,
-    (limits, wanted_n): (Limits, f64),
+    (limits, wanted_n): (PickLimits, f64),
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
     let shaker = limits.with_shaker_of(&rig.params);
@@ -161,7 +161,7 @@ pub fn pick_for_force(
     let found = amplitude::for_force(from_m.ok_or_else(none)?, (wanted_n, 1e-4), whole)?;
     let mut found = found.ok_or_else(none)?;
     found.answer.wanted_force_n = Some(wanted_n);
-    let shaker = Limits {
+    let shaker = PickLimits {
         max_force_n: None,
         max_frequency_hz: None,
         ..shaker
@@ -174,7 +174,7 @@ fn pick_at_amplitude(
     rig: &NamedRig,
     springs: Springs,
     uncertainty: Option<Uncertainty>,
-    limits: Limits,
+    limits: PickLimits,
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
     let params = &rig.params;
@@ -188,7 +188,7 @@ fn pick_at_amplitude(
     let (_, strongest_power) =
         maximise(&branch, range(&branch), power_at).ok_or_else(|| no_one_one(rig))?;
 
-    let certain = Field {
+    let certain = PickField {
         rig,
         branch: &branch,
         members: &[],
@@ -200,7 +200,7 @@ fn pick_at_amplitude(
     }
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
-    let field = Field {
+    let field = PickField {
         rig,
         branch: &branch,
         members: &robust.members,
@@ -211,7 +211,7 @@ fn pick_at_amplitude(
         let band = force_band(params, &branch, chosen);
         (band.0.max(limits_hz.0), band.1.min(limits_hz.1))
     };
-    let bent = bending::Request {
+    let bent = bending::BendingRequest {
         params,
         springs,
         members: &members,
@@ -245,7 +245,7 @@ fn pick_at_amplitude(
         }
     };
     let own = comparable(rig, &branch, limits, progress);
-    let chosen = Strongest::of(&choice.orbit, params);
+    let chosen = StrongestPoint::of(&choice.orbit, params);
     // The very orbit chosen, unless uncertainty, shaker or bending modes leave less than the nominal rig could do.
     let own = own.filter(|own| own.force_ratio > chosen.force_ratio * (1.0 + 1e-6));
     let own = own.unwrap_or(chosen);
@@ -274,7 +274,7 @@ fn pick_at_amplitude(
             .collect()
     };
     let section = dimensionless_section(params, &choice.orbit)?;
-    let found = Found {
+    let found = PickParts {
         rig,
         branch: &branch,
         nominal: &nominal,
@@ -334,7 +334,11 @@ fn dimensionless_section(params: &RigParams, orbit: &Orbit) -> Result<[f64; 2], 
 }
 
 /// [`comparable`] with the cart moved the other way. None where its shaker is not known, too.
-fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Strongest> {
+fn other_cart(
+    rig: &NamedRig,
+    limits: PickLimits,
+    progress: &dyn Progress,
+) -> Option<StrongestPoint> {
     let other = if rig.params.cart.recoils() {
         rig.clone().prescribed()
     } else {
@@ -349,10 +353,10 @@ fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option
 fn comparable(
     rig: &NamedRig,
     branch: &Branch,
-    limits: Limits,
+    limits: PickLimits,
     progress: &dyn Progress,
-) -> Option<Strongest> {
-    let field = Field {
+) -> Option<StrongestPoint> {
+    let field = PickField {
         rig,
         branch,
         members: &[],
@@ -360,7 +364,7 @@ fn comparable(
     };
     let orbit = field.choose(range(branch), limits.without_the_shaker());
     let orbit = orbit.ok()?.orbit;
-    Some(Strongest::of(&orbit, &rig.params))
+    Some(StrongestPoint::of(&orbit, &rig.params))
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::search::maximise;
 use super::{BAND_SHARE, best_branch, force_band, no_one_one, range};
-use crate::branch::End;
+use crate::branch::BranchEnd;
 use crate::error::Error;
 use crate::row::NamedRig;
 
@@ -29,7 +29,7 @@ pub struct Outline {
     /// Where it is stable, Hz.
     pub stable_one_one_hz: [f64; 2],
     /// How it ends, below and above.
-    pub stable_one_one_ends: [End; 2],
+    pub stable_one_one_ends: [BranchEnd; 2],
 }
 
 /// Finds it.
@@ -59,14 +59,14 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limits::Limits;
+    use crate::limits::PickLimits;
     use crate::pick::pick;
 
     #[test]
     fn the_outline_is_the_nominal_pick_s() {
         let rig = NamedRig::preset("wires").unwrap().prescribed();
         let first = outline(&rig).unwrap();
-        let whole = pick(&rig, None, Limits::default(), &()).unwrap().answer;
+        let whole = pick(&rig, None, PickLimits::default(), &()).unwrap().answer;
         assert_eq!(first.nominal_optimum_hz, whole.nominal_optimum_hz);
         assert_eq!(
             first.nominal_optimum_force_ratio,

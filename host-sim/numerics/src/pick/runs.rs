@@ -5,12 +5,12 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 use super::range;
-use crate::branch::{Branch, End, settle};
+use crate::branch::{Branch, BranchEnd, settle};
 use crate::engine::{Arrival, Engine, Plan, STILL, Start, machine, within_reach};
 use crate::error::Error;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
-use crate::row::{NamedRig, Row};
+use crate::row::{NamedRig, RunRow};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
 use crate::uncertainty::{Member, Uncertainty};
 
@@ -34,9 +34,9 @@ const JUMP_PLAN: Plan = Plan {
 /// Where the hammer jumps.
 pub(super) struct Jumps {
     /// The sweep up across the nominal stable 1/1.
-    pub(super) up: Vec<Row>,
+    pub(super) up: Vec<RunRow>,
     /// The sweep down.
-    pub(super) down: Vec<Row>,
+    pub(super) down: Vec<RunRow>,
     /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
     pub(super) at_hz: Vec<f64>,
 }
@@ -61,7 +61,7 @@ impl Jumps {
         at_hz.retain(|hz| (low..=high).contains(hz));
         // Past a fold there is no 1/1 nearby to go over to.
         let ends = [branch.low, branch.high].into_iter();
-        let folds = ends.filter(|edge| edge.end == End::Fold);
+        let folds = ends.filter(|edge| edge.end == BranchEnd::Fold);
         at_hz.extend(folds.map(|edge| edge.frequency_hz));
         at_hz.sort_by(f64::total_cmp);
         Ok(Self { up, down, at_hz })

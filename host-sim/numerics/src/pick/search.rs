@@ -67,18 +67,18 @@ pub fn spread_of_members(
     nominal: &RigParams,
     members: &[Followed],
     orbit: &Orbit,
-) -> Option<Spread> {
-    let own = Spread::of(orbit, None);
+) -> Option<ForceSpread> {
+    let own = ForceSpread::of(orbit, None);
     members
         .par_iter()
         .enumerate()
-        .map(|(i, member)| Some(Spread::of(&member.stable_at(nominal, orbit)?, Some(i))))
+        .map(|(i, member)| Some(ForceSpread::of(&member.stable_at(nominal, orbit)?, Some(i))))
         .try_reduce(|| own, |a, b| Some(a.with(b)))
 }
 
 /// Smallest and largest force (N) and largest multiplier over members.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct ForceSpread {
     /// Smallest force, N.
     pub weakest_n: f64,
     /// Largest force, N.
@@ -89,7 +89,7 @@ pub struct Spread {
     pub multiplier: f64,
 }
 
-impl Spread {
+impl ForceSpread {
     fn of(orbit: &Orbit, member: Option<usize>) -> Self {
         Self {
             weakest_n: orbit.force_n,
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_strongest_of_two_is_the_same_in_either_order_and_the_first_of_equals() {
-        let of = |force: f64, strongest| Spread {
+        let of = |force: f64, strongest| ForceSpread {
             weakest_n: force,
             strongest_n: force,
             strongest,
@@ -218,7 +218,7 @@ mod tests {
         };
         let (soft, hard) = (of(2.0, Some(0)), of(4.0, Some(1)));
         for both in [soft.with(hard), hard.with(soft)] {
-            let expected = Spread {
+            let expected = ForceSpread {
                 weakest_n: 2.0,
                 strongest_n: 4.0,
                 strongest: Some(1),
@@ -239,7 +239,7 @@ mod tests {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
         let orbit = branch.at(&WIRES, 3.0).unwrap();
         let alone = spread_of_members(&WIRES, &[], &orbit).unwrap();
-        assert_eq!(alone, Spread::of(&orbit, None));
+        assert_eq!(alone, ForceSpread::of(&orbit, None));
         let members = by_amplitude();
         let unfollowed: Vec<_> = members.iter().map(|m| Followed::from(*m)).collect();
         let spread = spread_of_members(&WIRES, &unfollowed, &orbit).unwrap();

@@ -398,7 +398,7 @@ fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limits::Limits;
+    use crate::limits::PickLimits;
     use crate::pick::pick;
     use crate::row::NamedRig;
     use shared::model::params::WIRES;
@@ -409,7 +409,7 @@ mod tests {
     fn the_range_of_the_force_holds_that_of_the_rigs_in_it() {
         let picked = |rig: RigParams| {
             let rig = NamedRig::new("wires", rig);
-            pick(&rig, None, Limits::default(), &()).unwrap()
+            pick(&rig, None, PickLimits::default(), &()).unwrap()
         };
         let nominal = picked(WIRES);
         let hz = nominal.answer.operating_frequency_hz;

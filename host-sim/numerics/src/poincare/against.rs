@@ -52,7 +52,7 @@ pub struct SectionSummary {
 
 /// The switch, the switch from another start (what two equal models differ by), and the smoothed ones.
 #[derive(Clone, Debug)]
-pub struct Against {
+pub struct SectionComparison {
     /// The switch's portrait.
     pub exact: Portrait,
     /// Its figures.
@@ -70,7 +70,7 @@ pub const WIDTHS_M: [f64; 3] = [1e-6, 3e-7, 1e-7];
 /// Most drive periods that an exponent is computed over.
 const EXPONENT_PERIODS: u32 = 2000;
 
-impl Against {
+impl SectionComparison {
     /// All figures, the switch first.
     pub fn rows(&self) -> Vec<SectionSummary> {
         let switch = [self.summary.clone(), self.again.clone()];
@@ -87,7 +87,7 @@ pub fn against(
     request: &SectionRequest,
     widths_m: &[f64],
     progress: &dyn Progress,
-) -> Result<Against, Error> {
+) -> Result<SectionComparison, Error> {
     let mut widths = widths_m.to_vec();
     widths.sort_by(|a, b| b.total_cmp(a));
     let request = SectionRequest {
@@ -126,7 +126,7 @@ pub fn against(
         check(progress)?;
         Ok(compared.smoothed(ran))
     });
-    Ok(Against {
+    Ok(SectionComparison {
         smoothed: smoothed.collect::<Result<_, Error>>()?,
         summary,
         again,
@@ -144,7 +144,7 @@ struct Compared<'a> {
     /// The switch's section in these units.
     reference: Vec<(f64, f64)>,
     /// What exponents are computed over.
-    span: lyapunov::Span,
+    span: lyapunov::LyapunovSpan,
 }
 
 impl<'a> Compared<'a> {
@@ -159,7 +159,7 @@ impl<'a> Compared<'a> {
             start,
             units,
             reference: cloud(&points_of(exact), units),
-            span: lyapunov::Span {
+            span: lyapunov::LyapunovSpan {
                 transient: request.transient,
                 periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
             },

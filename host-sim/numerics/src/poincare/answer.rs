@@ -9,7 +9,7 @@ use crate::row::{Outcome, tidy};
 
 /// What a section showed. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct SectionAnswer {
     /// Name of the rig.
     pub rig: String,
     /// Clearance at rest, mm.
@@ -40,7 +40,7 @@ pub struct Answer {
     pub meaning: Option<&'static str>,
 }
 
-impl Answer {
+impl SectionAnswer {
     /// Of the `portrait` made for `request` of the rig called `rig`.
     pub fn new(
         rig: &str,

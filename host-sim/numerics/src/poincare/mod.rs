@@ -12,11 +12,11 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
-use crate::engine::{self, Recorder, Sample, Start, event, observe};
+use crate::engine::{self, CycleRecorder, RecordedSample, Start, event, observe};
 use crate::error::{Error, MotionError};
 use crate::lanes::strobes;
 use crate::progress::{Progress, check, step};
-use crate::reference::{Observer, Reference, Segment};
+use crate::reference::{Reference, Segment, TrajectoryObserver};
 use crate::row::Outcome;
 
 /// What to compute.
@@ -69,7 +69,7 @@ pub struct Portrait {
     /// Largest contact force, N.
     pub force_n: f64,
     /// The trajectory over the periods after the last point, for a line in the phase plane.
-    pub trajectory: Vec<Sample>,
+    pub trajectory: Vec<RecordedSample>,
     /// Steps of the integrator per recorded drive period, those refused included, those that locate a switch not.
     pub steps_per_period: f64,
     /// Coordinate and rate on the section at phase 0 at the end.
@@ -98,7 +98,7 @@ struct Strober<'a> {
     found: Vec<((f64, f64), [f64; 2])>,
 }
 
-impl Observer for Strober<'_> {
+impl TrajectoryObserver for Strober<'_> {
     fn segment(&mut self, segment: &Segment) {
         // Sections come in rising phase, so points are found in their order.
         while let Some(t) = self.times_s.get(self.found.len()) {
@@ -213,11 +213,11 @@ fn trajectory(
     frequency_hz: f64,
     section: [f64; 2],
     deviation: [f64; 2],
-) -> Result<Vec<Sample>, Error> {
+) -> Result<Vec<RecordedSample>, Error> {
     let mut hammer = event::machine(params, frequency_hz, section, deviation, 0.0)?;
-    let mut recorder = Recorder {
+    let mut recorder = CycleRecorder {
         samples_per_period: SAMPLES_PER_PERIOD,
-        ..Recorder::default()
+        ..CycleRecorder::default()
     };
     let plan = engine::Plan {
         cycles: TRAJECTORY_PERIODS,

@@ -9,7 +9,7 @@ use crate::basins::{self, BasinsRequest};
 use crate::bifurcation;
 use crate::engine::{self, Engine};
 use crate::lanes;
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::map::{self, Grid, Runner};
 use crate::pick;
 use crate::row::NamedRig;
@@ -156,6 +156,6 @@ fn a_pick_ends_among_the_members_and_the_sweeps() {
         ..Uncertainty::default()
     });
     ends_when_asked((pick::steps(two_members), 1), |progress| {
-        pick::pick(&rig, two_members, Limits::default(), progress)
+        pick::pick(&rig, two_members, PickLimits::default(), progress)
     });
 }

@@ -1,16 +1,16 @@
 //! The hammer's flow on one side of the switch, in a cart that is prescribed or recoils.
 
 use shared::model::cart::Cart;
-use shared::model::rig::{Kinematics, Mode, Rig};
+use shared::model::rig::{Kinematics, Rig, SwitchMode};
 use shared::model::step::Smoothed;
 
 use super::switching;
 use crate::flow::dormand_prince::{combined, length};
-use crate::flow::{Flow, Scalar, Step};
+use crate::flow::{Flow, FlowStep, Scalar};
 
 /// Integrated beside the motion: where energy and momentum went since the last reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals {
+pub struct FlowTotals {
     /// ∫F dt, N·s.
     pub impulse: f64,
     /// Energy taken by the contact, J.
@@ -21,7 +21,7 @@ pub struct Totals {
     pub damping_work: f64,
 }
 
-impl Totals {
+impl FlowTotals {
     /// Adds `weight` times `other`.
     pub fn add(&mut self, other: &Self, weight: f64) {
         self.impulse += weight * other.impulse;
@@ -33,7 +33,7 @@ impl Totals {
 
 /// A point of the flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point<R> {
+pub struct FlowPoint<R> {
     /// Time since drive phase 0, s.
     pub t: R,
     /// Coordinate.
@@ -44,7 +44,7 @@ pub struct Point<R> {
     pub cart: [R; 2],
 }
 
-impl<R: Scalar> Point<R> {
+impl<R: Scalar> FlowPoint<R> {
     /// At coordinate `q` and rate `v`, `t` s after phase 0, with the cart on its course.
     pub fn on_course(t: R, q: R, v: R) -> Self {
         Self {
@@ -66,7 +66,7 @@ pub struct HammerFlow<'a, R> {
     /// A0 Ω², m/s².
     pub drive_acceleration: f64,
     /// Side of the switch.
-    pub mode: Mode,
+    pub mode: SwitchMode,
     /// δ̇⁻, m/s.
     pub approach: R,
     /// Arctangents in place of the switch; then the side counts for nothing.
@@ -90,7 +90,7 @@ struct Acting<R> {
 }
 
 /// A step of the hammer.
-pub type HammerStep<R> = Step<R, Point<R>, Totals>;
+pub type HammerStep<R> = FlowStep<R, FlowPoint<R>, FlowTotals>;
 
 impl<R: Scalar> HammerFlow<'_, R> {
     /// A0 Ω² sin Ωt at time `t` after phase 0, m/s².
@@ -104,20 +104,20 @@ impl<R: Scalar> HammerFlow<'_, R> {
     fn force(&self, at: &Kinematics<R>) -> R {
         match (self.smoothed, self.mode) {
             (Some(smoothed), _) => smoothed.blended(at.delta, self.rig.force(at, self.approach)),
-            (None, Mode::Flight) => R::ZERO,
-            (None, Mode::Contact) => self.rig.force(at, self.approach),
+            (None, SwitchMode::Flight) => R::ZERO,
+            (None, SwitchMode::Contact) => self.rig.force(at, self.approach),
         }
     }
 
     /// Acceleration and contact force at a point.
     #[inline]
-    pub fn acceleration(&self, p: &Point<R>) -> (R, R) {
+    pub fn acceleration(&self, p: &FlowPoint<R>) -> (R, R) {
         let acting = self.acting(p, &self.rig.kinematics(p.q, p.v));
         (acting.acceleration, acting.force)
     }
 
     #[inline(always)]
-    fn acting(&self, p: &Point<R>, at: &Kinematics<R>) -> Acting<R> {
+    fn acting(&self, p: &FlowPoint<R>, at: &Kinematics<R>) -> Acting<R> {
         let force = self.force(at);
         let course = self.drive(p.t);
         match self.recoil {
@@ -140,7 +140,7 @@ impl<R: Scalar> HammerFlow<'_, R> {
     }
 
     /// The indicator at a point.
-    pub fn indicator(&self, p: &Point<R>) -> R {
+    pub fn indicator(&self, p: &FlowPoint<R>) -> R {
         let at = self.rig.kinematics(p.q, p.v);
         self.rig.indicator(&at, self.approach_at(at.rate))
     }
@@ -149,25 +149,25 @@ impl<R: Scalar> HammerFlow<'_, R> {
     #[inline]
     pub fn approach_at(&self, rate: R) -> R {
         match self.mode {
-            Mode::Flight => rate.max(R::ZERO),
-            Mode::Contact => self.approach,
+            SwitchMode::Flight => rate.max(R::ZERO),
+            SwitchMode::Contact => self.approach,
         }
     }
 }
 
 impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
     type Number = R;
-    type Point = Point<R>;
-    type Totals = Totals;
+    type Point = FlowPoint<R>;
+    type Totals = FlowTotals;
     type Exit = ();
 
     #[inline]
-    fn time(&self, point: &Point<R>) -> R {
+    fn time(&self, point: &FlowPoint<R>) -> R {
         point.t
     }
 
     #[inline(always)]
-    fn numbers(&self, p: &Point<R>) -> [R; 4] {
+    fn numbers(&self, p: &FlowPoint<R>) -> [R; 4] {
         [p.q, p.v, p.cart[0], p.cart[1]]
     }
 
@@ -177,8 +177,8 @@ impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
     }
 
     #[inline(always)]
-    fn after(&self, from: &Point<R>, tau: R, [q, v, off, off_rate]: [R; 4]) -> Point<R> {
-        Point {
+    fn after(&self, from: &FlowPoint<R>, tau: R, [q, v, off, off_rate]: [R; 4]) -> FlowPoint<R> {
+        FlowPoint {
             t: from.t + tau,
             q,
             v,
@@ -187,11 +187,11 @@ impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
     }
 
     #[inline(always)]
-    fn rates(&self, p: &Point<R>, rates: &mut [R; 4], weight: f64, totals: &mut Totals) {
+    fn rates(&self, p: &FlowPoint<R>, rates: &mut [R; 4], weight: f64, totals: &mut FlowTotals) {
         let at = self.rig.kinematics(p.q, p.v);
         let now = self.acting(p, &at);
         if weight != 0.0 {
-            let powers = Totals {
+            let powers = FlowTotals {
                 impulse: now.force.to_f64(),
                 contact_work: self.rig.contact_power(&at, p.v, now.force).to_f64(),
                 inertial_work: self.rig.inertial_power(&at, now.drive).to_f64(),
@@ -215,7 +215,7 @@ impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
         combined(size(fifth), size(third))
     }
 
-    fn exit(&self, from: &Point<R>, h: f64, end: &Point<R>) -> Option<((), R)> {
+    fn exit(&self, from: &FlowPoint<R>, h: f64, end: &FlowPoint<R>) -> Option<((), R)> {
         if self.smoothed.is_some() {
             return None;
         }

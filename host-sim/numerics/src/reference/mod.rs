@@ -17,12 +17,12 @@ use std::f64::consts::TAU;
 use shared::model::cart::Cart;
 use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::params::{ParamError, RigParams};
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 use shared::model::step::Smoothed;
 
-use crate::flow::{Ended, Pace, Scalar};
-pub use flow::{Point, Totals};
-pub use observer::{Contact, Observer, Segment};
+use crate::flow::{Pace, Scalar, StepEnded};
+pub use flow::{FlowPoint, FlowTotals};
+pub use observer::{LocatedContact, Segment, TrajectoryObserver};
 
 use flow::{HammerFlow, HammerStep};
 
@@ -52,16 +52,16 @@ pub struct Reference<R> {
     tolerance: f64,
     units: (f64, f64),
     max_step: f64,
-    point: Point<R>,
-    mode: Mode,
+    point: FlowPoint<R>,
+    mode: SwitchMode,
     approach: R,
     /// Arctangents in place of the switch.
     smoothed: Option<Smoothed<R>>,
     cycle: u64,
     pace: Pace,
-    open: Option<Contact>,
+    open: Option<LocatedContact>,
     recent: [Option<f64>; 3],
-    totals: Totals,
+    totals: FlowTotals,
 }
 
 impl<R: Scalar> Reference<R> {
@@ -122,15 +122,15 @@ impl<R: Scalar> Reference<R> {
             tolerance: TOLERANCE,
             units,
             max_step: f64::INFINITY,
-            point: Point::on_course(R::ZERO, q, v),
-            mode: Mode::Flight,
+            point: FlowPoint::on_course(R::ZERO, q, v),
+            mode: SwitchMode::Flight,
             approach: rig.kinematics(q, v).rate.max(R::ZERO),
             smoothed: None,
             cycle: 0,
             pace: Pace::new(FIRST_STEP_S),
             open: None,
             recent: [None; 3],
-            totals: Totals::default(),
+            totals: FlowTotals::default(),
         }
     }
 
@@ -165,7 +165,7 @@ impl<R: Scalar> Reference<R> {
     }
 
     /// Where everything is now.
-    pub fn point(&self) -> Point<R> {
+    pub fn point(&self) -> FlowPoint<R> {
         self.point
     }
 
@@ -195,7 +195,7 @@ impl<R: Scalar> Reference<R> {
     }
 
     /// Where energy and momentum went since the start.
-    pub fn totals(&self) -> Totals {
+    pub fn totals(&self) -> FlowTotals {
         self.totals
     }
 
@@ -238,7 +238,7 @@ impl<R: Scalar> Reference<R> {
 
     /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
     /// becomes NaN.
-    pub fn run_period(&mut self, observer: &mut impl Observer) -> Period<f64> {
+    pub fn run_period(&mut self, observer: &mut impl TrajectoryObserver) -> Period<f64> {
         let period = self.run_until(1.0, observer);
         self.cycle += 1;
         self.point.t = R::ZERO;
@@ -247,22 +247,22 @@ impl<R: Scalar> Reference<R> {
 
     /// Runs to a later drive `phase` (turns, at most 1) of the present period and returns what happened on the way. If the
     /// motion cannot be followed, the state becomes NaN.
-    pub fn run_until(&mut self, phase: f64, observer: &mut impl Observer) -> Period<f64> {
+    pub fn run_until(&mut self, phase: f64, observer: &mut impl TrajectoryObserver) -> Period<f64> {
         let mut period = Period {
-            touched: self.mode == Mode::Contact,
+            touched: self.mode == SwitchMode::Contact,
             ..Period::default()
         };
         let most = self.pace.tried + MAX_STEPS_PER_PERIOD;
         let end_s = phase * self.period_s;
         while let Some(ended) = self.advance(end_s, most, &mut period, observer) {
-            if ended == Ended::AtStop {
+            if ended == StepEnded::AtStop {
                 return period;
             }
         }
         // The model does not describe a motion that needs so many steps. The state becomes NaN, which every caller
         // tests for.
         let nowhere = R::from_f64(f64::NAN);
-        self.point = Point {
+        self.point = FlowPoint {
             t: R::ZERO,
             q: nowhere,
             v: nowhere,
@@ -272,7 +272,10 @@ impl<R: Scalar> Reference<R> {
     }
 
     /// The next step of a motion that nothing stops, and why it ended; `None` if it was refused a hundred times.
-    pub(crate) fn step_on(&mut self, observer: &mut impl Observer) -> Option<Ended<()>> {
+    pub(crate) fn step_on(
+        &mut self,
+        observer: &mut impl TrajectoryObserver,
+    ) -> Option<StepEnded<()>> {
         let most = self.pace.tried + 100;
         self.advance(f64::INFINITY, most, &mut Period::default(), observer)
     }
@@ -283,14 +286,14 @@ impl<R: Scalar> Reference<R> {
         end_s: f64,
         most: u64,
         period: &mut Period<f64>,
-        observer: &mut impl Observer,
-    ) -> Option<Ended<()>> {
+        observer: &mut impl TrajectoryObserver,
+    ) -> Option<StepEnded<()>> {
         let mut pace = self.pace;
         let advanced = pace.advance(&self.flow(), &self.point, end_s, self.max_step, most);
         self.pace = pace;
         let (step, ended) = advanced?;
         self.accept(&step, period, observer);
-        if ended == Ended::Switched(()) {
+        if ended == StepEnded::Switched(()) {
             self.switch(period, observer);
         }
         Some(ended)
@@ -305,13 +308,13 @@ impl<R: Scalar> Reference<R> {
         &mut self,
         step: &HammerStep<R>,
         period: &mut Period<f64>,
-        observer: &mut impl Observer,
+        observer: &mut impl TrajectoryObserver,
     ) {
         let flow = self.flow();
         let (start, end) = (real(&self.point), real(&step.end));
         let (start_acceleration, _) = flow.acceleration(&self.point);
         let (end_acceleration, _) = flow.acceleration(&step.end);
-        if self.mode == Mode::Contact {
+        if self.mode == SwitchMode::Contact {
             let (peak_at, peak) = switching::force_peak(&flow, &self.point, &step.end);
             let began = self.cycle as f64 * self.period_s;
             if let Some(open) = &mut self.open {
@@ -344,11 +347,11 @@ impl<R: Scalar> Reference<R> {
         self.point = step.end;
     }
 
-    fn switch(&mut self, period: &mut Period<f64>, observer: &mut impl Observer) {
+    fn switch(&mut self, period: &mut Period<f64>, observer: &mut impl TrajectoryObserver) {
         match self.mode {
-            Mode::Flight => self.begin_contact(period),
-            Mode::Contact => {
-                self.mode = Mode::Flight;
+            SwitchMode::Flight => self.begin_contact(period),
+            SwitchMode::Contact => {
+                self.mode = SwitchMode::Flight;
                 if let Some(mut contact) = self.open.take() {
                     let at = self.rig.kinematics(self.point.q, self.point.v);
                     contact.rebound_speed_m_per_s = -at.rate.to_f64();
@@ -369,9 +372,9 @@ impl<R: Scalar> Reference<R> {
     fn open_contact(&mut self) {
         let at = self.rig.kinematics(self.point.q, self.point.v);
         let now = self.now_s();
-        self.mode = Mode::Contact;
+        self.mode = SwitchMode::Contact;
         self.approach = at.rate;
-        self.open = Some(Contact {
+        self.open = Some(LocatedContact {
             onset_s: now,
             duration_s: 0.0,
             approach_speed_m_per_s: at.rate.to_f64(),
@@ -400,8 +403,8 @@ impl Reference<f64> {
     }
 }
 
-fn real<R: Scalar>(p: &Point<R>) -> Point<f64> {
-    Point {
+fn real<R: Scalar>(p: &FlowPoint<R>) -> FlowPoint<f64> {
+    FlowPoint {
         t: p.t.to_f64(),
         q: p.q.to_f64(),
         v: p.v.to_f64(),

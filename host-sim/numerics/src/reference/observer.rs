@@ -1,13 +1,13 @@
 //! What an observer of a trajectory sees: smooth pieces and finished contacts.
 
-use shared::model::rig::{Mode, Rig};
+use shared::model::rig::{Rig, SwitchMode};
 
-use super::Point;
+use super::FlowPoint;
 use super::switching::Arc;
 
 /// One finished contact, times in seconds since the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct LocatedContact {
     /// When it began, s.
     pub onset_s: f64,
     /// How long it lasted, s.
@@ -36,15 +36,15 @@ pub struct Segment<'a> {
     /// Drive period, s.
     pub period_s: f64,
     /// Side of the switch.
-    pub mode: Mode,
+    pub mode: SwitchMode,
     /// δ̇⁻ of the contact, m/s.
     pub approach: f64,
     /// Start.
-    pub start: Point<f64>,
+    pub start: FlowPoint<f64>,
     /// Acceleration at the start.
     pub start_acceleration: f64,
     /// End.
-    pub end: Point<f64>,
+    pub end: FlowPoint<f64>,
     /// Acceleration at the end.
     pub end_acceleration: f64,
 }
@@ -91,8 +91,8 @@ impl Segment<'_> {
     /// Contact force, N, at a coordinate and rate of this segment.
     pub fn force(&self, q: f64, v: f64) -> f64 {
         match self.mode {
-            Mode::Flight => 0.0,
-            Mode::Contact => {
+            SwitchMode::Flight => 0.0,
+            SwitchMode::Contact => {
                 let at = self.rig.kinematics(q, v);
                 self.rig.force(&at, self.approach).max(0.0)
             }
@@ -101,19 +101,19 @@ impl Segment<'_> {
 }
 
 /// Watches a trajectory.
-pub trait Observer {
+pub trait TrajectoryObserver {
     /// A smooth piece was integrated.
     fn segment(&mut self, _segment: &Segment) {}
     /// A contact ended.
-    fn contact(&mut self, _contact: &Contact) {}
+    fn contact(&mut self, _contact: &LocatedContact) {}
 }
 
 /// Watches nothing.
-impl Observer for () {}
+impl TrajectoryObserver for () {}
 
 /// Keeps the contacts.
-impl Observer for Vec<Contact> {
-    fn contact(&mut self, contact: &Contact) {
+impl TrajectoryObserver for Vec<LocatedContact> {
+    fn contact(&mut self, contact: &LocatedContact) {
         self.push(*contact);
     }
 }

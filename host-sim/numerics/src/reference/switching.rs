@@ -4,9 +4,9 @@
 //! interior points and at every extremum of the indicator, so that a crossing and return inside one step
 //! is found; what the quintic suspects is then decided, and located, by steps of the integrator itself.
 
-use shared::model::rig::Mode;
+use shared::model::rig::SwitchMode;
 
-use super::flow::{HammerFlow, Point};
+use super::flow::{FlowPoint, HammerFlow};
 use crate::flow::{Scalar, reached};
 use crate::root::{halved, maximum};
 
@@ -61,21 +61,21 @@ impl Arc {
 /// length `h` that ended at `end`.
 pub fn locate<R: Scalar>(
     flow: &HammerFlow<R>,
-    from: &Point<R>,
+    from: &FlowPoint<R>,
     h: f64,
-    end: &Point<R>,
+    end: &FlowPoint<R>,
 ) -> Option<R> {
     if out_of_reach(flow, from, h, end) {
         return None;
     }
     let (a0, _) = flow.acceleration(from);
     let (a1, _) = flow.acceleration(end);
-    let triple = |p: &Point<R>, a: R| (p.q.to_f64(), p.v.to_f64(), a.to_f64());
+    let triple = |p: &FlowPoint<R>, a: R| (p.q.to_f64(), p.v.to_f64(), a.to_f64());
     let arc = Arc::new(h, triple(from, a0), triple(end, a1));
     // Positive: the mode's side is left.
     let sign = match flow.mode {
-        Mode::Flight => 1.0,
-        Mode::Contact => -1.0,
+        SwitchMode::Flight => 1.0,
+        SwitchMode::Contact => -1.0,
     };
     let guess = |s: f64| {
         let (q, v) = arc.at(s);
@@ -130,8 +130,13 @@ pub fn locate<R: Scalar>(
 }
 
 /// Whether the surface is too far away to be met in this step.
-fn out_of_reach<R: Scalar>(flow: &HammerFlow<R>, from: &Point<R>, h: f64, end: &Point<R>) -> bool {
-    if flow.mode == Mode::Contact {
+fn out_of_reach<R: Scalar>(
+    flow: &HammerFlow<R>,
+    from: &FlowPoint<R>,
+    h: f64,
+    end: &FlowPoint<R>,
+) -> bool {
+    if flow.mode == SwitchMode::Contact {
         return false;
     }
     let a = flow.rig.kinematics(from.q, from.v);
@@ -141,11 +146,11 @@ fn out_of_reach<R: Scalar>(flow: &HammerFlow<R>, from: &Point<R>, h: f64, end: &
 }
 
 fn indicator_of<R: Scalar>(flow: &HammerFlow<R>, t: f64, q: f64, v: f64) -> f64 {
-    let point = Point::on_course(R::from_f64(t), R::from_f64(q), R::from_f64(v));
+    let point = FlowPoint::on_course(R::from_f64(t), R::from_f64(q), R::from_f64(v));
     flow.indicator(&point).to_f64()
 }
 
-fn exact_end<R: Scalar>(flow: &HammerFlow<R>, end: &Point<R>, sign: f64) -> f64 {
+fn exact_end<R: Scalar>(flow: &HammerFlow<R>, end: &FlowPoint<R>, sign: f64) -> f64 {
     sign * flow.indicator(end).to_f64()
 }
 
@@ -158,7 +163,7 @@ fn indicator_per_metre<R: Scalar>(flow: &HammerFlow<R>) -> f64 {
 }
 
 /// dI/dt along the flow, by a central difference about a point where I is nearly zero.
-fn indicator_slope<R: Scalar>(flow: &HammerFlow<R>, p: &Point<R>) -> f64 {
+fn indicator_slope<R: Scalar>(flow: &HammerFlow<R>, p: &FlowPoint<R>) -> f64 {
     const DT: f64 = 1e-9;
     let (a, _) = flow.acceleration(p);
     let (q, v, a) = (p.q.to_f64(), p.v.to_f64(), a.to_f64());
@@ -175,7 +180,7 @@ fn root<R: Scalar>(
     guess: &impl Fn(f64) -> f64,
     exact: &impl Fn(f64) -> f64,
     flow: &HammerFlow<R>,
-    from: &Point<R>,
+    from: &FlowPoint<R>,
     h: f64,
     (low, high): (f64, f64),
     sign: f64,
@@ -202,8 +207,12 @@ fn root<R: Scalar>(
 }
 
 /// When (s after phase 0) and how large the force is at its largest between two points in contact, N.
-pub fn force_peak<R: Scalar>(flow: &HammerFlow<R>, from: &Point<R>, end: &Point<R>) -> (f64, f64) {
-    let force_rate = |p: &Point<R>| {
+pub fn force_peak<R: Scalar>(
+    flow: &HammerFlow<R>,
+    from: &FlowPoint<R>,
+    end: &FlowPoint<R>,
+) -> (f64, f64) {
+    let force_rate = |p: &FlowPoint<R>| {
         let (a, force) = flow.acceleration(p);
         let at = flow.rig.kinematics(p.q, p.v);
         let (by_delta, by_rate) = flow.rig.law().gradient(at.delta, at.rate, flow.approach);

@@ -3,7 +3,7 @@ use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, WIRES, preset};
 
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::orbit::Orbit;
 use crate::pick::search::follow_member;
 use crate::pick::{best_branch, pick};
@@ -253,7 +253,7 @@ fn every_corner_has_a_stable_one_one_at_the_frequency_recommended() {
             ..preset(name).unwrap().with_gap_mm(gap_mm).unwrap()
         };
         let rig = NamedRig::new(name, params);
-        let found = pick(&rig, Some(uncertainty), Limits::default(), &()).unwrap();
+        let found = pick(&rig, Some(uncertainty), PickLimits::default(), &()).unwrap();
         let hz = found.answer.operating_frequency_hz;
         let orbit = best_branch(&rig).unwrap().at(&params, hz).unwrap();
         let lost = whole.iter().filter(|corner| {

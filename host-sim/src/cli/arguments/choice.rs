@@ -1,10 +1,10 @@
 //! Values of the analyses as choices on the command line.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use numerics::compare::Frame;
+use numerics::compare::MeasuredFrame;
 use numerics::drop_test::Converter;
 use numerics::identify::Misfit;
-use numerics::modes::Tip;
+use numerics::modes::TipJoint;
 use numerics::sweep::Direction;
 use shared::model::contact::{LAWS, LawKind};
 
@@ -51,14 +51,14 @@ impl Choice for Converter {
 
 /// How the cart is moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cart {
+pub enum CartChoice {
     /// Along A0 sin Ωt.
     Prescribed,
     /// By the rig's shaker.
     Recoil,
 }
 
-impl Choice for Cart {
+impl Choice for CartChoice {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         (
             "prescribed",
@@ -113,7 +113,7 @@ impl Choice for Direction {
     ];
 }
 
-impl Choice for Frame {
+impl Choice for MeasuredFrame {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         (
             "fixed",
@@ -124,7 +124,7 @@ impl Choice for Frame {
     ];
 }
 
-impl Choice for Tip {
+impl Choice for TipJoint {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         (
             "guided",

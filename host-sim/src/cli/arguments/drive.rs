@@ -8,7 +8,7 @@ use super::range::range_or_value;
 /// One drive frequency.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[group(skip)]
-pub struct Drive {
+pub struct OneFrequency {
     /// Drive frequency over the natural frequency, Ω/ω
     #[arg(long, value_name = "R")]
     ratio: Option<f64>,
@@ -18,7 +18,7 @@ pub struct Drive {
     frequency: Option<f64>,
 }
 
-impl Drive {
+impl OneFrequency {
     /// Hz; none if both options were left out.
     pub fn hz(&self, natural_hz: f64) -> Option<f64> {
         self.frequency.or(self.ratio.map(|r| r * natural_hz))

@@ -1,6 +1,6 @@
 //! Ground that gives way, and a bit on it.
 
-use files::ground::Asked;
+use files::ground::GroundAsked;
 
 /// The ground, and how well it is known.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -58,8 +58,8 @@ impl GroundArgs {
     }
 
     /// What is asked for.
-    pub fn asked(&self) -> Asked {
-        Asked {
+    pub fn asked(&self) -> GroundAsked {
+        GroundAsked {
             threshold_n: self.threshold_n,
             ground_stiffness_n_per_m: self.ground_stiffness_n_per_m,
             ground_damping_n_s_per_m: self.ground_damping_n_s_per_m,

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use plot::Figure;
 use serde::Serialize;
 
-use super::request::Request;
+use super::request::CommandRequest;
 use crate::cli::terminal::{print, print_bytes, say};
 use crate::pictures::drawn;
 use files::made_from::{self, MadeFrom, file_name, refuse_others};
@@ -52,7 +52,7 @@ pub struct OutputArgs {
 
     /// What is asked for, as the answer carries it.
     #[arg(skip)]
-    request: Request,
+    request: CommandRequest,
 
     /// How the names of the files begin.
     #[arg(skip)]
@@ -61,7 +61,7 @@ pub struct OutputArgs {
 
 impl OutputArgs {
     /// Takes the request of the whole command line, and the folder that goes with it.
-    pub fn asked(&mut self, request: Request) {
+    pub fn asked(&mut self, request: CommandRequest) {
         self.stem = request.command.clone();
         self.request = request;
         if self.format == Format::Text {

@@ -1,6 +1,6 @@
 //! `--over KEY=VALUES`: a parameter of the rig, and the values it takes.
 
-use super::range::{Values, parse_values};
+use super::range::{RangeValues, parse_values};
 use super::rig::RigArgs;
 use files::{UserError, rigfile};
 
@@ -9,14 +9,14 @@ const MOST: usize = 100_000;
 
 /// `KEY=VALUES` as an option.
 #[derive(Clone, Debug)]
-pub struct Over {
+pub struct OverOption {
     /// The parameter, as rig files name it.
     pub key: String,
     /// Its values.
-    pub values: Values,
+    pub values: RangeValues,
 }
 
-impl Over {
+impl OverOption {
     /// A value as a setting on top of the rig.
     pub fn setting(&self, value: f64) -> [String; 1] {
         [format!("{}={value:?}", self.key)]
@@ -50,7 +50,7 @@ impl Over {
 ///
 /// # Errors
 /// In words: there is no such parameter, it is no number, or the values cannot be read.
-pub fn parse_over(text: &str) -> Result<Over, String> {
+pub fn parse_over(text: &str) -> Result<OverOption, String> {
     let (key, values) = text
         .split_once('=')
         .ok_or("write KEY=VALUES, for example contact_stiffness_n_per_m=1e5:1e7:log20")?;
@@ -69,7 +69,7 @@ pub fn parse_over(text: &str) -> Result<Over, String> {
             values.list.len()
         ));
     }
-    Ok(Over {
+    Ok(OverOption {
         key: key.to_owned(),
         values,
     })

@@ -67,7 +67,7 @@ pub fn rising(from: f64, to: f64) -> Result<(), String> {
 
 /// Values of a parameter, and whether they are spaced by factors.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Values {
+pub struct RangeValues {
     /// In the order given.
     pub list: Vec<f64>,
     /// Whether they are spaced by even factors.
@@ -78,7 +78,7 @@ pub struct Values {
 ///
 /// # Errors
 /// If they cannot be read, N is not from 2 to a million, or FROM and TO of `logN` are not positive.
-pub fn parse_values(text: &str) -> Result<Values, String> {
+pub fn parse_values(text: &str) -> Result<RangeValues, String> {
     let number = |text: &str| {
         parse_finite(text).ok_or_else(|| format!("'{}' is no finite number", text.trim()))
     };
@@ -91,13 +91,13 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
         let list = list.map_err(|why| {
             format!("{why}; write FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with commas")
         })?;
-        return Ok(Values { list, log: false });
+        return Ok(RangeValues { list, log: false });
     };
     let (log, count) = match (spacing.strip_prefix("log"), spacing.strip_prefix("lin")) {
         (Some(count), _) => (true, count),
         (None, Some(count)) => (false, count),
         (None, None) => {
-            return parse_range(text).map(|list| Values { list, log: false });
+            return parse_range(text).map(|list| RangeValues { list, log: false });
         }
     };
     let (from, to) = (number(from)?, number(to)?);
@@ -122,7 +122,7 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
         i => from + (to - from) * f64::from(i) / last,
     };
     let list = (0..count).map(at).collect();
-    Ok(Values { list, log })
+    Ok(RangeValues { list, log })
 }
 
 /// What is doubtful about a list whose commas may all separate, or every other one be decimal: 1,8 or 1,7,2,5.

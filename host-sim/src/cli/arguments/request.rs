@@ -2,7 +2,7 @@
 
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
-use files::made_from::{Input, MadeFrom};
+use files::made_from::{InputFile, MadeFrom};
 use serde_json::{Map, Value};
 
 /// Options that only say where and how to answer, and with how many threads: they change no number.
@@ -13,7 +13,7 @@ const ASIDE: [&str; 11] = [
 
 /// What a command line asks for.
 #[derive(Clone, Debug, Default)]
-pub struct Request {
+pub struct CommandRequest {
     /// As answers carry it; the command adds the rigs.
     pub made_from: MadeFrom,
     /// The command.
@@ -22,7 +22,7 @@ pub struct Request {
     pub given: Vec<(String, Vec<String>)>,
 }
 
-impl Request {
+impl CommandRequest {
     /// The request of `matches`, which `command` read.
     pub fn new(command: &clap::Command, matches: &ArgMatches) -> Self {
         let mut request = Self {
@@ -70,7 +70,7 @@ impl Request {
                 continue;
             }
             made.inputs
-                .extend(values.iter().filter_map(|v| Input::at(v)));
+                .extend(values.iter().filter_map(|v| InputFile::at(v)));
             let switch = matches!(arg.get_action(), ArgAction::SetTrue);
             let long = long.map(|long| format!("--{long}"));
             if switch {

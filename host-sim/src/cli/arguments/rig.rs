@@ -7,7 +7,7 @@ use files::rigfile;
 use numerics::NamedRig;
 use shared::model::params::RigParams;
 
-use super::choice::{Cart, choice};
+use super::choice::{CartChoice, choice};
 use super::range::parse_range;
 
 /// A rig without a choice of gap.
@@ -159,8 +159,8 @@ impl RigArgs {
 #[command(next_help_heading = "Rig")]
 pub struct CartArg {
     /// How the cart is moved [default: recoil where the rig's shaker is known, else prescribed]
-    #[arg(long, value_parser = choice::<Cart>())]
-    cart: Option<Cart>,
+    #[arg(long, value_parser = choice::<CartChoice>())]
+    cart: Option<CartChoice>,
 }
 
 impl CartArg {
@@ -171,8 +171,8 @@ impl CartArg {
     pub fn apply(&self, rig: NamedRig) -> Result<NamedRig, UserError> {
         match self.cart {
             None => Ok(rig.recoiling().unwrap_or(rig)),
-            Some(Cart::Prescribed) => Ok(rig.prescribed()),
-            Some(Cart::Recoil) => rig.recoiling().ok_or_else(|| {
+            Some(CartChoice::Prescribed) => Ok(rig.prescribed()),
+            Some(CartChoice::Recoil) => rig.recoiling().ok_or_else(|| {
                 UserError::new(format!(
                     "--cart recoil: the shaker of rig {} is not known; give shaker_loop_hz in its file or with --set",
                     rig.name

@@ -5,18 +5,18 @@ mod text;
 use serde::Serialize;
 
 use super::arguments::cycles::usual_recorded;
-use super::arguments::drive::Drive;
+use super::arguments::drive::OneFrequency;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
 use super::arguments::range::rising;
 use super::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures::basins::figure;
 use crate::pictures::drawn;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::basins::chapter::{POINTS, Point};
-use numerics::basins::{Basins, BasinsRequest, Summary, Window, cells, explore};
+use numerics::basins::chapter::{ChapterBasin, POINTS};
+use numerics::basins::{Basins, BasinsRequest, BasinsSummary, StartWindow, cells, explore};
 use numerics::engine::Engine;
 
 /// Basins of attraction: which initial conditions lead to impact, and what they settle on
@@ -27,7 +27,7 @@ use numerics::engine::Engine;
 #[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]
 pub struct Args {
     #[command(flatten)]
-    drive: Drive,
+    drive: OneFrequency,
 
     /// The twelve operating points that the chapter shows
     #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio", "cart"])]
@@ -90,9 +90,9 @@ pub struct Args {
 /// One point and what was found.
 struct Found {
     /// Its figure and part, if it is the chapter's.
-    point: Option<Point>,
+    point: Option<ChapterBasin>,
     basins: Basins,
-    summary: Summary,
+    summary: BasinsSummary,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let queries = queries(args)?;
     let output = &about(args, &queries)?;
     let total = queries.iter().map(|(_, query)| query.runs()).sum();
-    let progress = Progress::new("starts", total, output.quiet);
+    let progress = ProgressLine::new("starts", total, output.quiet);
     let mut found = Vec::with_capacity(queries.len());
     for (point, query) in queries {
         found.push(find(engine, point, &query, &progress)?);
@@ -125,7 +125,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// The output of these points; the chapter's name their figures.
-fn about(args: &Args, queries: &[(Option<Point>, BasinsRequest)]) -> Result<OutputArgs, UserError> {
+fn about(
+    args: &Args,
+    queries: &[(Option<ChapterBasin>, BasinsRequest)],
+) -> Result<OutputArgs, UserError> {
     let mut rigs: Vec<&NamedRig> = Vec::new();
     for (_, query) in queries {
         if !rigs.contains(&&query.rig) {
@@ -137,9 +140,9 @@ fn about(args: &Args, queries: &[(Option<Point>, BasinsRequest)]) -> Result<Outp
 
 fn find(
     engine: Engine,
-    point: Option<Point>,
+    point: Option<ChapterBasin>,
     query: &BasinsRequest,
-    progress: &Progress,
+    progress: &ProgressLine,
 ) -> Result<Found, UserError> {
     let basins = explore(engine, query, progress)?;
     let summary = basins.summary();
@@ -150,7 +153,7 @@ fn find(
     })
 }
 
-fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError> {
+fn queries(args: &Args) -> Result<Vec<(Option<ChapterBasin>, BasinsRequest)>, UserError> {
     let (columns, rows) = args.grid;
     let points = if args.chapter {
         let all = POINTS.into_iter();
@@ -190,7 +193,7 @@ fn own(args: &Args) -> Result<BasinsRequest, UserError> {
     let hz = args.drive.needed_hz(natural_hz)?;
     let (columns, rows) = args.grid;
     let query = BasinsRequest::usual(rig, hz, columns, rows);
-    let window = Window::usual(&query.rig.params, columns, rows);
+    let window = StartWindow::usual(&query.rig.params, columns, rows);
     Ok(BasinsRequest { window, ..query })
 }
 
@@ -231,7 +234,7 @@ fn answer(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
     }
 }
 
-fn summaries(found: &[Found]) -> Vec<&Summary> {
+fn summaries(found: &[Found]) -> Vec<&BasinsSummary> {
     found.iter().map(|one| &one.summary).collect()
 }
 

@@ -2,13 +2,13 @@
 
 use super::Line;
 use crate::pictures::basins::caption;
-use numerics::basins::{Basins, Entropy, Share, Summary};
+use numerics::basins::{Basins, BasinsSummary, Entropy, SampledShare};
 use plot::chart::Chart;
 
 /// Attractors listed.
 const LISTED: usize = 12;
 
-pub fn one(basins: &Basins, s: &Summary) -> String {
+pub fn one(basins: &Basins, s: &BasinsSummary) -> String {
     let mut text = format!("{}\n\n", caption(basins));
     let mut line = |name: &str, what: String| text += &format!("  {name:<22} {what}\n");
     line(
@@ -66,7 +66,7 @@ pub fn one(basins: &Basins, s: &Summary) -> String {
 }
 
 /// The share of impact over the number of cycles, as a table and a chart.
-fn over_cycles(s: &Summary) -> String {
+fn over_cycles(s: &BasinsSummary) -> String {
     if s.over_cycles.is_empty() {
         return String::new();
     }
@@ -104,7 +104,7 @@ fn with_mesh(share: f64, error: Option<f64>) -> String {
     format!("{:.2}{error} %", 100.0 * share)
 }
 
-fn sampled(share: &Share) -> String {
+fn sampled(share: &SampledShare) -> String {
     format!(
         "{:.2} % ({:.2} to {:.2})",
         100.0 * share.value(),

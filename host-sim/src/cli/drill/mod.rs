@@ -11,7 +11,7 @@ use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use crate::pictures::drawn;
 use crate::pictures::drill::{curves, map};
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::ground::{BitWords, FEEDS, feed, feed_name};
 use numerics::CartModel;
@@ -54,7 +54,7 @@ pub struct Args {
     published: bool,
 
     #[command(flatten)]
-    oscillator: published::Oscillator,
+    oscillator: published::PublishedOscillator,
 
     #[command(flatten)]
     rig: RigAtGaps,
@@ -68,7 +68,7 @@ pub struct Args {
 
 /// The answer as JSON.
 #[derive(Debug, Serialize)]
-pub struct Answer {
+pub struct DrillReport {
     rig: String,
     cart: CartModel,
     feed: String,
@@ -109,7 +109,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.answer(&answer, &answer.rows, pictures, || text::text(&answer))
 }
 
-fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {
+fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<DrillReport, UserError> {
     let asked = args.ground.asked();
     let ground = asked.ground(rig)?;
     let setting = DrillSetting {
@@ -131,7 +131,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         ..DrillPlan::default()
     };
     let runs = (gaps_mm.len() * frequencies_hz.len()) as u64;
-    let progress = Progress::new("runs", runs, output.quiet);
+    let progress = ProgressLine::new("runs", runs, output.quiet);
     let rows = grid(rig, &setting, &gaps_mm, &frequencies_hz, plan, &progress)?;
     let mut best: Option<(NamedRig, &[DrillRow], DrillRow)> = None;
     let (mut gaps, mut gaps_any_regime) = (Vec::new(), Vec::new());
@@ -167,7 +167,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         .max_by(|a, b| rate(a).total_cmp(&rate(b)))
         .unwrap_or(&advice.best)
         .clone();
-    Ok(Answer {
+    Ok(DrillReport {
         rig: rig.name.clone(),
         cart: advice.cart,
         feed: feed_name(args.feed),

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
 use crate::pictures::drill::drifting;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
 use numerics::drill::published::{Drifting, DriftingPlan, DriftingRow, PERIOD_TWO, diagram};
@@ -13,7 +13,7 @@ use numerics::drill::published::{Drifting, DriftingPlan, DriftingRow, PERIOD_TWO
 /// Its parameters, without dimensions: mass, stiffness and threshold are 1.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Published oscillator")]
-pub struct Oscillator {
+pub struct PublishedOscillator {
     /// With --published: static forces b over the threshold
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "0.02:0.3:0.001", value_parser = forces)]
     static_force: Forces,
@@ -85,7 +85,7 @@ fn points(rows: &[DriftingRow]) -> Vec<PointRow> {
     rows.iter().flat_map(of).collect()
 }
 
-pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), UserError> {
+pub fn run(args: &PublishedOscillator, settle: u32, output: &OutputArgs) -> Result<(), UserError> {
     check("--force-amplitude", args.force_amplitude, 1e-3, 10.0)?;
     check("--damping-ratio", args.damping_ratio, 1e-4, 10.0)?;
     check("--omega", args.omega, 1e-3, 100.0)?;
@@ -107,7 +107,7 @@ pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), Us
         settle,
         recorded: 64,
     };
-    let progress = Progress::new("motions", motions.len() as u64, output.quiet);
+    let progress = ProgressLine::new("motions", motions.len() as u64, output.quiet);
     let rows = diagram(&motions, plan, &progress)?;
     progress.finish();
     let stretches: Vec<_> = rows

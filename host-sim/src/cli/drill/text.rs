@@ -1,11 +1,11 @@
 //! What `drill` says on a terminal.
 
-use super::Answer;
+use super::DrillReport;
 use numerics::CartModel;
 use numerics::drill::{Corner, DrillAnswer, DrillRow};
 use plot::chart::Chart;
 
-pub fn text(answer: &Answer) -> String {
+pub fn text(answer: &DrillReport) -> String {
     let advice = &answer.advice;
     let best = &advice.best;
     let faster = faster(answer);
@@ -74,7 +74,7 @@ pub fn text(answer: &Answer) -> String {
 }
 
 /// First and last Ω/ω of the range.
-fn range(answer: &Answer) -> (f64, f64) {
+fn range(answer: &DrillReport) -> (f64, f64) {
     let ratio = |row: Option<&DrillRow>| row.map_or(f64::NAN, |r| r.frequency_ratio);
     (ratio(answer.rows.first()), ratio(answer.rows.last()))
 }
@@ -83,7 +83,7 @@ fn range(answer: &Answer) -> (f64, f64) {
 const AT_THE_END: f64 = 5e-4;
 
 /// That a best frequency is at an end of the range, where it is: beyond, more may be had.
-fn at_the_end(answer: &Answer, row: &DrillRow) -> &'static str {
+fn at_the_end(answer: &DrillReport, row: &DrillRow) -> &'static str {
     let (first, last) = range(answer);
     let near = |end: f64| (row.frequency_ratio - end).abs() < AT_THE_END;
     if first < last && (near(first) || near(last)) {
@@ -94,7 +94,7 @@ fn at_the_end(answer: &Answer, row: &DrillRow) -> &'static str {
 }
 
 /// That a frequency (in Ω/ω) is outside the range, where it is.
-fn outside(answer: &Answer, ratio: f64) -> &'static str {
+fn outside(answer: &DrillReport, ratio: f64) -> &'static str {
     let (first, last) = range(answer);
     if ratio < first - AT_THE_END || ratio > last + AT_THE_END {
         ", outside the range"
@@ -104,13 +104,13 @@ fn outside(answer: &Answer, ratio: f64) -> &'static str {
 }
 
 /// The same of one in Hz.
-fn outside_hz(answer: &Answer, hz: f64) -> &'static str {
+fn outside_hz(answer: &DrillReport, hz: f64) -> &'static str {
     let best = &answer.advice.best;
     outside(answer, hz * best.frequency_ratio / best.frequency_hz)
 }
 
 /// The line of the motion that drills fastest of all; empty if that is the one recommended.
-fn faster(answer: &Answer) -> String {
+fn faster(answer: &DrillReport) -> String {
     let (best, fastest) = (&answer.advice.best, &answer.fastest_of_all);
     if fastest == best {
         return String::new();
@@ -159,7 +159,7 @@ fn rigid(advice: &DrillAnswer) -> String {
 }
 
 /// How the cart is moved, and what the other would drill.
-fn cart(answer: &Answer) -> String {
+fn cart(answer: &DrillReport) -> String {
     let advice = &answer.advice;
     let (own, other, what, value) = match advice.cart {
         CartModel::Recoil => (
@@ -188,7 +188,7 @@ fn cart(answer: &Answer) -> String {
 }
 
 /// What the bit takes, and what would be drilled without it.
-fn bit(answer: &Answer) -> Option<String> {
+fn bit(answer: &DrillReport) -> Option<String> {
     let advice = &answer.advice;
     let best = &advice.best;
     let (mass, feed) = (best.bit_mass_kg?, best.bit_feed_force_n?);
@@ -209,7 +209,7 @@ fn bit(answer: &Answer) -> Option<String> {
     ))
 }
 
-fn corners(corners: &[Corner], answer: &Answer) -> String {
+fn corners(corners: &[Corner], answer: &DrillReport) -> String {
     let over = |value: fn(&Corner) -> f64| {
         let values = corners.iter().map(value);
         let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -249,7 +249,7 @@ fn corners(corners: &[Corner], answer: &Answer) -> String {
     )
 }
 
-fn gaps(answer: &Answer) -> String {
+fn gaps(answer: &DrillReport) -> String {
     let mut text =
         "\n  gap, mm    Hz        Ω/ω     µm/s     of the best   µm per cycle   regime      any motion\n"
             .to_owned();
@@ -280,7 +280,7 @@ fn gaps(answer: &Answer) -> String {
     text + "\n"
 }
 
-fn chart(answer: &Answer) -> String {
+fn chart(answer: &DrillReport) -> String {
     let gap = answer.advice.gap_mm;
     let rows = answer.rows.iter().filter(|r| r.gap_mm == gap);
     let points = rows.map(|r| (r.frequency_ratio, r.rate_of_penetration_um_per_s));

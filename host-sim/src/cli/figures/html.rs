@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::record::{PageRecord, Record};
+use super::record::{PageRecord, PartRecord};
 use crate::chapter::Statement;
 use crate::figures::{AREAS, DRAWINGS, Effort};
 
@@ -24,7 +24,7 @@ padding:.25rem .8rem .25rem 0;border-bottom:1px solid #e4e4e4}th{color:#555}td:l
 @media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}}";
 
 /// The whole page. There is one of `records` for each part, in order; none where it is not made.
-pub fn page(effort: Effort, records: &[Option<Record>]) -> String {
+pub fn page(effort: Effort, records: &[Option<PartRecord>]) -> String {
     let mut pages: Vec<&PageRecord> = records.iter().flatten().flat_map(|r| &r.pages).collect();
     pages.sort_by_key(|page| order(&page.figure));
     let mut out = format!(
@@ -65,7 +65,7 @@ fn order(figure: &str) -> (u8, u32, u32) {
     }
 }
 
-fn contents(out: &mut String, pages: &[&PageRecord], records: &[Option<Record>]) {
+fn contents(out: &mut String, pages: &[&PageRecord], records: &[Option<PartRecord>]) {
     let mut lines: Vec<((u8, u32, u32), String)> = Vec::new();
     for page in pages {
         let (id, figure) = (anchor(&page.figure), escaped(&page.figure));
@@ -188,7 +188,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chapter::Verdict;
+    use crate::chapter::ChapterVerdict;
 
     #[test]
     fn figures_stand_in_the_order_of_their_numbers() {
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn text_cannot_break_the_page() {
-        let record = Record {
+        let record = PartRecord {
             key: "k".into(),
             part: "p".into(),
             pages: vec![PageRecord {
@@ -215,7 +215,7 @@ mod tests {
                 section: "3.3.6".into(),
                 words: "<b>".into(),
                 ours: "no".into(),
-                verdict: Verdict::Differs,
+                verdict: ChapterVerdict::Differs,
                 figures: "3.24, 3.25".into(),
             }],
         };

@@ -10,12 +10,12 @@ use super::arguments::output::{check_folder, replaced, to_json};
 use super::interrupt;
 use super::terminal::print;
 use crate::chapter::statements;
-use crate::figures::{AREAS, DRAWINGS, Effort, Make, Part};
+use crate::figures::{AREAS, DRAWINGS, Effort, FiguresPart, Make};
 use files::UserError;
 use files::made_from::stamped;
 
-use crate::progress::Progress;
-use record::Record;
+use crate::progress::ProgressLine;
+use record::PartRecord;
 
 /// Make every figure of the chapter again: pictures, tables and one page to read
 #[derive(Debug, clap::Args)]
@@ -65,7 +65,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let records = AREAS
         .iter()
         .map(|part| record::standing(&args.out, part.name, &key));
-    let records: Vec<Option<Record>> = records.collect();
+    let records: Vec<Option<PartRecord>> = records.collect();
     let before = write_index(args, effort, &records)?;
     let there = records.iter().flatten().map(|r| r.pages.len());
     let there: usize = there.sum();
@@ -105,15 +105,15 @@ fn make_missing(
     args: &Args,
     effort: Effort,
     key: &str,
-    wanted: Vec<&Part>,
+    wanted: Vec<&FiguresPart>,
 ) -> Result<(String, f64), UserError> {
-    let made_already = |part: &Part| record::standing(&args.out, part.name, key).is_some();
+    let made_already = |part: &FiguresPart| record::standing(&args.out, part.name, key).is_some();
     let wanted: Vec<_> = wanted
         .into_iter()
         .map(|part| (part, made_already(part)))
         .collect();
     let missing = wanted.iter().filter(|(_, stands)| !stands);
-    let progress = Progress::in_parts(
+    let progress = ProgressLine::in_parts(
         "figures",
         missing.map(|(part, _)| part.seconds).sum(),
         args.quiet,
@@ -140,7 +140,7 @@ fn make_missing(
 }
 
 /// The parts that make what is asked for; all when nothing is.
-fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
+fn wanted(only: &[String]) -> Result<Vec<&'static FiguresPart>, UserError> {
     for name in only {
         if let Some((_, what)) = DRAWINGS.iter().find(|(figure, _)| figure == name) {
             return Err(UserError::new(format!(
@@ -162,21 +162,22 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
             )));
         }
     }
-    let asked =
-        |part: &&Part| only.is_empty() || only.iter().any(|o| part.figures.contains(&o.as_str()));
+    let asked = |part: &&FiguresPart| {
+        only.is_empty() || only.iter().any(|o| part.figures.contains(&o.as_str()))
+    };
     Ok(AREAS.iter().filter(asked).collect())
 }
 
 /// Makes a part and writes its files and, last, its record. Returns the seconds it took.
-fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, UserError> {
-    let Part {
+fn make(part: &FiguresPart, effort: Effort, key: &str, args: &Args) -> Result<f64, UserError> {
+    let FiguresPart {
         name,
         figures,
         make,
         ..
     } = part;
     let begun = Instant::now();
-    let hidden = Progress::new(*name, 1, true);
+    let hidden = ProgressLine::new(*name, 1, true);
     let made = match make {
         Make::Pages(make) => make(effort, &hidden).map(|pages| (pages, Vec::new())),
         Make::Statements => statements(effort, &hidden).map(|all| (Vec::new(), all)),
@@ -206,16 +207,20 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
     files::write::write_all(&args.out, &all)?;
-    let record = Record::new((key, effort), name, &pages, statements);
+    let record = PartRecord::new((key, effort), name, &pages, statements);
     let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
 }
 
 /// The page and its table of contents for programs. Returns whether they replaced others.
-fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Result<bool, UserError> {
+fn write_index(
+    args: &Args,
+    effort: Effort,
+    records: &[Option<PartRecord>],
+) -> Result<bool, UserError> {
     let page = html::page(effort, records);
-    let there: Vec<&Record> = records.iter().flatten().collect();
+    let there: Vec<&PartRecord> = records.iter().flatten().collect();
     let missing: Vec<&str> = AREAS
         .iter()
         .zip(records)

@@ -12,7 +12,7 @@ use files::UserError;
 
 /// A part of the figures as it was made.
 #[derive(Debug, Deserialize, Serialize)]
-pub struct Record {
+pub struct PartRecord {
     /// The program and the effort it was made with.
     pub key: String,
     /// The part.
@@ -43,7 +43,7 @@ pub struct FileRecord {
     pub crc64: String,
 }
 
-impl Record {
+impl PartRecord {
     pub fn new(
         (key, effort): (&str, Effort),
         part: &str,
@@ -87,9 +87,9 @@ pub fn file_name(part: &str) -> String {
 }
 
 /// The record of `part`, if it was made with `key` and every file is still as it was written.
-pub fn standing(dir: &Path, part: &str, key: &str) -> Option<Record> {
+pub fn standing(dir: &Path, part: &str, key: &str) -> Option<PartRecord> {
     let text = fs::read_to_string(dir.join(file_name(part))).ok()?;
-    let record: Record = serde_json::from_str(&text).ok()?;
+    let record: PartRecord = serde_json::from_str(&text).ok()?;
     let whole = |file: &FileRecord| {
         fs::read(dir.join(&file.name)).is_ok_and(|bytes| checksum(&bytes) == file.crc64)
     };

@@ -12,7 +12,7 @@ use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
-use shared::link::{Act, Answer, Hello, RATES, ToBoard};
+use shared::link::{Hello, LinkAct, LinkAnswer, RATES, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::Format;
@@ -245,7 +245,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
         What::Set(set) => in_session(port, set.session, |port| send_settings(port, &set.new)),
         What::SetBrownOut(set) => in_session(port, set.session, |port| {
-            port.steer(Act::SetBrownOut)?;
+            port.steer(LinkAct::SetBrownOut)?;
             print(
                 "the brown-out reset is set; unplug the board, wait a second, and plug it in again\n",
             );
@@ -285,7 +285,7 @@ fn in_session<T>(
     port.open_session(session.take_over)?;
     let done = work(port);
     // Another program may have taken it over, or the board is gone: that has been said, or does not matter.
-    let _ = port.steer(Act::Release);
+    let _ = port.steer(LinkAct::Release);
     done
 }
 
@@ -320,7 +320,7 @@ fn command(port: &mut Port, command: control::Command) -> Result<(), UserError> 
 
 fn settings(port: &mut Port) -> Result<Settings, UserError> {
     match port.ask(ToBoard::GetSettings)? {
-        Answer::Settings(settings) => Ok(settings),
+        LinkAnswer::Settings(settings) => Ok(settings),
         other => Err(port.odd(&other)),
     }
 }
@@ -334,7 +334,7 @@ fn send_settings(port: &mut Port, set: &NewSettings) -> Result<(), UserError> {
         let text = read_text(path)?;
         new = settings_file::overlay(&new, &text).map_err(|e| e.at(path.display()))?;
     }
-    port.steer(Act::SetSettings(new))?;
+    port.steer(LinkAct::SetSettings(new))?;
     print("the settings are in use and stored\n");
     Ok(())
 }

@@ -6,7 +6,7 @@ use super::super::{interrupt, lab};
 use super::Args;
 use crate::link::client;
 use crate::page::bridge::{self, Door, Port};
-use crate::page::server::{Board, Site, serve};
+use crate::page::server::{BoardConnection, Site, serve};
 use files::UserError;
 
 /// Until interrupted.
@@ -18,7 +18,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let door = Arc::new(Door::default());
     let site = Site {
         page,
-        board: Some(Board {
+        board: Some(BoardConnection {
             name: args.port.clone(),
             door: Arc::clone(&door),
         }),

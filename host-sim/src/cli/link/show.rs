@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use shared::control::{SettingsState, Status, Unfit};
-use shared::fault::{Fault, Record};
-use shared::link::{Answer, BoardState, ForecastPage, FromBoard, Hello, ToBoard};
+use shared::fault::{Fault, FaultRecord};
+use shared::link::{BoardState, ForecastPage, FromBoard, Hello, LinkAnswer, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
 use super::Port;
@@ -46,7 +46,7 @@ pub fn line(status: &Status) -> String {
     text
 }
 
-fn fault(record: &Record) -> String {
+fn fault(record: &FaultRecord) -> String {
     let others = record.episode.without(record.fault);
     let others: Vec<_> = others.faults().map(Fault::name).collect();
     let others = if others.is_empty() {
@@ -237,7 +237,10 @@ pub fn forecast(
     })
 }
 
-type Pages = (Vec<shared::forecast::Row>, Option<shared::forecast::Target>);
+type Pages = (
+    Vec<shared::forecast::ForecastRow>,
+    Option<shared::forecast::Target>,
+);
 
 /// How often a forecast is read from its beginning.
 const READS: u32 = 5;
@@ -250,7 +253,7 @@ fn pages(port: &mut Port) -> Result<Pages, UserError> {
     let mut begun = 1;
     loop {
         let part = match port.ask(ToBoard::GetForecast { page })? {
-            Answer::Forecast(part) => part,
+            LinkAnswer::Forecast(part) => part,
             other => return Err(port.odd(&other)),
         };
         if part.rows_in_all == 0 {
@@ -286,10 +289,10 @@ mod tests {
 
     #[test]
     fn a_board_that_is_not_fit_says_why() {
-        let record = Record::unfit(Unfit::CLOCK.and(Unfit::SUPPLY));
+        let record = FaultRecord::unfit(Unfit::CLOCK.and(Unfit::SUPPLY));
         let shown = fault(&record);
         let why = "18 board-unfit: the crystal's clock is missing or died; the supply is too low";
         assert!(shown.starts_with(why), "{shown}");
-        assert!(!fault(&Record::CRASH).contains(':'));
+        assert!(!fault(&FaultRecord::CRASH).contains(':'));
     }
 }

@@ -10,7 +10,7 @@ use crate::cli::arguments::output::to_json;
 use crate::cli::arguments::range::parse_range;
 use crate::cli::interrupt;
 use crate::cli::terminal::say;
-use crate::link::by_hand::{self, Ended, Plan};
+use crate::link::by_hand::{self, CurvePlan, MeasurementEnded};
 use files::UserError;
 use files::made_from::{MadeFrom, into_json};
 use files::table::to_csv;
@@ -90,7 +90,7 @@ pub fn sweep(
             beside.display()
         ));
     }
-    if ended? == Ended::Whole {
+    if ended? == MeasurementEnded::Whole {
         return Ok(0);
     }
     say(&format!(
@@ -101,7 +101,7 @@ pub fn sweep(
     Ok(interrupt::CODE)
 }
 
-fn by_hand_plan(settings: &Settings, plan: &Sweep) -> Result<Plan, UserError> {
+fn by_hand_plan(settings: &Settings, plan: &Sweep) -> Result<CurvePlan, UserError> {
     let amplitude_m = match plan.amplitude {
         Some(mm) => 1e-3 * mm,
         None => settings.rig.amplitude_m,
@@ -115,7 +115,7 @@ fn by_hand_plan(settings: &Settings, plan: &Sweep) -> Result<Plan, UserError> {
         ));
     }
     let span_hz = settings.limits.max_frequency_hz - settings.limits.min_frequency_hz;
-    Ok(Plan {
+    Ok(CurvePlan {
         frequencies_hz: frequencies(plan)?,
         amplitude_m,
         settle_s: plan.settle,
@@ -124,7 +124,7 @@ fn by_hand_plan(settings: &Settings, plan: &Sweep) -> Result<Plan, UserError> {
     })
 }
 
-fn show_point(point: &by_hand::Point) {
+fn show_point(point: &by_hand::ForcePoint) {
     say(&format!(
         "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
         point.frequency_hz, point.force_n, point.regime, point.amplitude_mm

@@ -6,13 +6,13 @@ use super::requests;
 use files::UserError;
 use numerics::CartModel;
 use numerics::map::measured::Hits;
-use numerics::map::{Agreement, Map, MapCell, MapRequest, Similarity, Summary};
+use numerics::map::{Agreement, Map, MapCell, MapRequest, MapSummary, Similarity};
 
 /// Everything that was found.
-pub struct Answer<'a> {
+pub struct MapAnswer<'a> {
     pub requests: &'a [MapRequest],
     pub maps: &'a [Map],
-    pub summaries: Vec<Summary>,
+    pub summaries: Vec<MapSummary>,
     pub audit: Option<Agreement>,
     pub against: Option<Agreement>,
     pub alikeness: Vec<Similarity>,
@@ -43,7 +43,7 @@ struct MapJson<'a> {
     cycles: u32,
     recorded: u32,
     settle: Option<u32>,
-    summary: &'a Summary,
+    summary: &'a MapSummary,
     gaps_mm: &'a [f64],
     gap_ratios: Vec<f64>,
     frequencies_hz: &'a [f64],
@@ -63,7 +63,7 @@ struct Layers {
     failed: Vec<bool>,
 }
 
-impl Answer<'_> {
+impl MapAnswer<'_> {
     /// On one line: layers have hundreds of thousands of numbers.
     pub fn to_json(&self) -> Result<String, UserError> {
         let maps = self.requests.iter().zip(self.maps).zip(&self.summaries);
@@ -80,7 +80,7 @@ impl Answer<'_> {
     }
 }
 
-fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a Summary) -> MapJson<'a> {
+fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a MapSummary) -> MapJson<'a> {
     MapJson {
         name: requests::name(request),
         rig: &map.rig.name,

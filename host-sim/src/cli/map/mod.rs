@@ -7,7 +7,7 @@ mod written;
 
 use std::path::PathBuf;
 
-use answer::Answer;
+use answer::MapAnswer;
 use written::{file_name, write};
 
 use super::arguments::choice::choice;
@@ -16,13 +16,13 @@ use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::terminal::print_bytes;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::made_from::into_json;
 use files::words::count;
 use numerics::NamedRig;
 use numerics::map::{
-    self, Map, MapRequest, Summary, agree, measured, measured::Measured, similarity,
+    self, Map, MapRequest, MapSummary, agree, measured, measured::MeasuredRegime, similarity,
 };
 use numerics::sweep::Direction;
 
@@ -62,7 +62,7 @@ pub struct Args {
 
     /// Compute a second map, and show where it differs from the first
     #[arg(long, value_enum)]
-    against: Option<requests::Against>,
+    against: Option<requests::SecondMap>,
 
     /// Add another rig's map over the same Ω/ω and gap/A0, and say how similar they are; may be given several times
     #[arg(long, value_name = "NAME|FILE.toml")]
@@ -172,7 +172,7 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
 fn make(
     args: &Args,
     requests: &[MapRequest],
-    points: Option<&[Measured]>,
+    points: Option<&[MeasuredRegime]>,
 ) -> Result<(), UserError> {
     let output = &args.output;
     let progress = progress(args, requests);
@@ -213,19 +213,19 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     }
 }
 
-fn progress(args: &Args, requests: &[MapRequest]) -> Progress {
+fn progress(args: &Args, requests: &[MapRequest]) -> ProgressLine {
     let total: usize = requests.iter().map(|request| request.grid.len()).sum();
     let total = total + args.audit.unwrap_or(0);
-    Progress::new("cells", total as u64, args.output.quiet)
+    ProgressLine::new("cells", total as u64, args.output.quiet)
 }
 
 fn answer<'a>(
     args: &Args,
     requests: &'a [MapRequest],
     maps: &'a [Map],
-    points: Option<&[Measured]>,
-    progress: &Progress,
-) -> Result<Answer<'a>, UserError> {
+    points: Option<&[MeasuredRegime]>,
+    progress: &ProgressLine,
+) -> Result<MapAnswer<'a>, UserError> {
     let first = &maps[0];
     let audit = args.audit.map(|count| {
         let drawn = (count, args.seed);
@@ -240,10 +240,10 @@ fn answer<'a>(
     for (i, a) in beside.iter().enumerate() {
         alike.extend(beside[i + 1..].iter().map(|b| similarity(a, b)));
     }
-    Ok(Answer {
+    Ok(MapAnswer {
         requests,
         maps,
-        summaries: maps.iter().map(Summary::of).collect(),
+        summaries: maps.iter().map(MapSummary::of).collect(),
         audit: audit.transpose()?,
         against: against.map(|other| map::Agreement::of(first.cells.iter().zip(&other.cells))),
         alikeness: alike,

@@ -16,7 +16,7 @@ use numerics::sweep::Direction;
 
 /// How the second map of a comparison is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Against {
+pub enum SecondMap {
     /// The microcontroller's switch model, f32
     Switch,
     /// The event-located reference
@@ -102,20 +102,20 @@ fn runner(args: &Args) -> Result<Runner, UserError> {
 }
 
 /// The same map, made in the way to compare with.
-fn other(request: &MapRequest, against: Against) -> MapRequest {
+fn other(request: &MapRequest, against: SecondMap) -> MapRequest {
     let mut other = request.clone();
     match against {
-        Against::Switch => {
+        SecondMap::Switch => {
             other.runner = Runner::Switch(Setting {
                 method: Method::Corrected,
                 precision: Precision::F32,
                 tick_s: 50e-6,
             });
         }
-        Against::Reference => other.runner = Runner::Reference,
-        Against::Rest => other.from = Direction::Rest,
-        Against::Up => other.from = Direction::Up,
-        Against::Down => other.from = Direction::Down,
+        SecondMap::Reference => other.runner = Runner::Reference,
+        SecondMap::Rest => other.from = Direction::Rest,
+        SecondMap::Up => other.from = Direction::Up,
+        SecondMap::Down => other.from = Direction::Down,
     }
     other
 }

@@ -4,19 +4,19 @@ use std::fmt::Write;
 
 use shared::model::regime::Regime;
 
-use super::answer::Answer;
+use super::answer::MapAnswer;
 use crate::words;
 use crate::words::map::percent;
 use files::words::count;
 use numerics::CartModel;
-use numerics::map::{Map, MapRequest, Strongest, Summary};
+use numerics::map::{Map, MapRequest, MapSummary, StrongestCell};
 use numerics::row::Outcome;
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
 const NAMED: usize = 8;
 
-pub fn text(answer: &Answer, maps: &[Map]) -> String {
+pub fn text(answer: &MapAnswer, maps: &[Map]) -> String {
     let mut text = String::new();
     let parts = answer.requests.iter().zip(maps).zip(&answer.summaries);
     for ((request, map), summary) in parts {
@@ -47,7 +47,7 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
     text
 }
 
-fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
+fn one(request: &MapRequest, map: &Map, summary: &MapSummary) -> String {
     let MapRequest { plan, settle, .. } = request;
     let ends = |values: &[f64], unit: &str| match values {
         [first, .., last] => format!("{first:?} to {last:?} {unit}"),
@@ -111,12 +111,12 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     text
 }
 
-fn is_one_one(cell: &Strongest) -> bool {
+fn is_one_one(cell: &StrongestCell) -> bool {
     matches!(cell.regime, Outcome::Regime(regime) if regime.is(1, 1))
 }
 
 /// A cell with the largest force: of 1/1, of all regimes, or of both.
-fn strongest_line(best: &Strongest, summary: &Summary) -> String {
+fn strongest_line(best: &StrongestCell, summary: &MapSummary) -> String {
     let of_all = summary.strongest_of_all.as_ref() == Some(best);
     let what = match (is_one_one(best), of_all) {
         (true, true) => "strongest of all: 1/1 with".to_owned(),

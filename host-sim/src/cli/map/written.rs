@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::answer::Answer;
+use super::answer::MapAnswer;
 use super::requests;
 use crate::cli::arguments::output::{Contents, OutputArgs};
 use crate::pictures;
@@ -13,15 +13,15 @@ use crate::words;
 use files::UserError;
 use files::table::to_csv;
 use numerics::map::MapRequest;
-use numerics::map::measured::{self, Measured};
+use numerics::map::measured::{self, MeasuredRegime};
 use plot::Figure;
 
 /// Writes pictures and tables of `answer` to `dir`.
 pub fn write(
     output: &OutputArgs,
     dir: &Path,
-    answer: &Answer,
-    points: Option<&[Measured]>,
+    answer: &MapAnswer,
+    points: Option<&[MeasuredRegime]>,
 ) -> Result<(), UserError> {
     let (drawn, tabled) = rayon::join(|| draw(output, answer, points), || tabled(output, answer));
     let mut contents = drawn?;
@@ -31,8 +31,8 @@ pub fn write(
 
 fn draw(
     output: &OutputArgs,
-    answer: &Answer,
-    points: Option<&[Measured]>,
+    answer: &MapAnswer,
+    points: Option<&[MeasuredRegime]>,
 ) -> Result<Contents, UserError> {
     let figures = figures(output, answer, points);
     let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
@@ -47,7 +47,7 @@ pub fn file_name(output: &OutputArgs, request: &MapRequest) -> String {
 }
 
 /// A table for each map, and one JSON.
-fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
+fn tabled(output: &OutputArgs, answer: &MapAnswer) -> Result<Contents, UserError> {
     let mut files = Vec::new();
     for (request, map) in answer.requests.iter().zip(answer.maps) {
         let name = file_name(output, request);
@@ -62,8 +62,8 @@ fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
 /// The pictures and their names: of each map the regimes and the force of 1/1; how maps compare.
 fn figures(
     output: &OutputArgs,
-    answer: &Answer,
-    points: Option<&[Measured]>,
+    answer: &MapAnswer,
+    points: Option<&[MeasuredRegime]>,
 ) -> Vec<(String, Figure)> {
     let first = file_name(output, &answer.requests[0]);
     let mut figures = Vec::new();

@@ -1,15 +1,15 @@
 //! `orbits --curve`: doublings, folds and grazes over two parameters, each followed as one continuation.
 
-use super::{Args, Axis, end_words, gap_ends, ratios};
+use super::{Args, OrbitsAxis, end_words, gap_ends, ratios};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::{parse_finite, rising};
 use crate::pictures;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
-use numerics::continuation::two::table::{Answer, CurveRow, PointRow};
+use numerics::continuation::two::table::{CurvePointRow, CurvesAnswer, TwoParameterCurveRow};
 use numerics::continuation::two::{Condition, Dimension, Plane, Varied, followed, seeds};
-use numerics::continuation::{Drive, OrbitsRequest};
+use numerics::continuation::{FamilyDrive, OrbitsRequest};
 use numerics::knob::Knob;
 use plot::chart::Chart;
 
@@ -72,18 +72,18 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
     };
     let values = plane.dimensions[1].spread(usize::from(args.searches));
     let steps = search.simulations() * values.len() as u64;
-    let progress = Progress::new("starts", steps, output.quiet);
+    let progress = ProgressLine::new("starts", steps, output.quiet);
     let found = seeds(&plane, &values, &search, &progress)?;
     progress.finish();
-    let progress = Progress::new("special points", found.seeds.len() as u64, output.quiet);
+    let progress = ProgressLine::new("special points", found.seeds.len() as u64, output.quiet);
     let curves = followed(&found.seeds, &progress)?;
     progress.finish();
-    let answer = Answer {
+    let answer = CurvesAnswer {
         searched_at: values.into_iter().map(numerics::row::tidy).collect(),
         not_followed: found.refused,
         simulations: found.simulations,
         failed_simulations: found.failed,
-        ..Answer::new(&rig.name, &plane, &curves)
+        ..CurvesAnswer::new(&rig.name, &plane, &curves)
     };
     if answer.not_followed > 0 {
         output.note(&format!(
@@ -102,14 +102,14 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
     let of =
         |over: &CurveOver| Dimension::new(Varied::Rig(over.knob), over.range, over.log, params);
     let gap = |over: &&CurveOver| over.knob.name() == "gap_mm";
-    let over_gap = args.along != Axis::Gap && args.curve.iter().any(|c| gap(&c));
+    let over_gap = args.along != OrbitsAxis::Gap && args.curve.iter().any(|c| gap(&c));
     if over_gap && args.gap.is_some() {
         return Err(UserError::new(
             "--gap does not go with a curve over the gap; leave it out",
         ));
     }
     let (first, second) = match args.curve.as_slice() {
-        [second] if args.along == Axis::Gap => {
+        [second] if args.along == OrbitsAxis::Gap => {
             let knob = Knob::named("gap_mm").map(Varied::Rig);
             let range = gap_ends(args)?;
             let first = knob.map(|gap| Dimension::new(gap, range, false, params));
@@ -125,7 +125,7 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
                 (Dimension::new(Varied::Ratio, range, false, params), second)
             }
         }
-        [first, second] if args.along == Axis::Frequency => (of(first), second),
+        [first, second] if args.along == OrbitsAxis::Frequency => (of(first), second),
         _ => {
             return Err(UserError::new(
                 "--curve may be given once (beside what --along varies), or twice with --along frequency",
@@ -149,9 +149,9 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
 }
 
 /// The drive, where neither parameter is the drive's.
-fn drive(args: &Args, first: Varied) -> Result<Drive, UserError> {
+fn drive(args: &Args, first: Varied) -> Result<FamilyDrive, UserError> {
     if first.drives() {
-        return Ok(Drive::Ratio(1.0));
+        return Ok(FamilyDrive::Ratio(1.0));
     }
     let one = |option: &str, text: &str| {
         let value = parse_finite(text).filter(|x| *x > 0.0);
@@ -162,8 +162,8 @@ fn drive(args: &Args, first: Varied) -> Result<Drive, UserError> {
         })
     };
     match (&args.ratio, &args.frequency) {
-        (Some(text), _) => one("--ratio", text).map(Drive::Ratio),
-        (None, Some(text)) => one("--frequency", text).map(Drive::Hz),
+        (Some(text), _) => one("--ratio", text).map(FamilyDrive::Ratio),
+        (None, Some(text)) => one("--frequency", text).map(FamilyDrive::Hz),
         (None, None) => Err(UserError::new(
             "a curve over two parameters of the rig needs the drive frequency: --ratio or --frequency",
         )),
@@ -188,7 +188,7 @@ fn check(plane: &Plane) -> Result<(), UserError> {
     Ok(())
 }
 
-fn text(answer: &Answer) -> String {
+fn text(answer: &CurvesAnswer) -> String {
     if answer.curves.is_empty() {
         return "no special point was found; widen the ranges, or raise --searches, --starts, --periods or --impacts\n"
             .to_owned();
@@ -227,7 +227,7 @@ fn text(answer: &Answer) -> String {
     text + &chart.render()
 }
 
-fn curve_line(curve: &CurveRow) -> String {
+fn curve_line(curve: &TwoParameterCurveRow) -> String {
     let range = |[from, to]: [f64; 2]| format!("{} to {}", short(from), short(to));
     let [from, to] = curve.ends;
     format!(
@@ -242,7 +242,7 @@ fn curve_line(curve: &CurveRow) -> String {
     )
 }
 
-fn mark_line(point: &PointRow) -> String {
+fn mark_line(point: &CurvePointRow) -> String {
     let label = point.codimension_two.map_or("", |mark| mark.label());
     format!(
         "{:<20} {label:<22} {:>26} {:>30}\n",

@@ -1,11 +1,11 @@
 //! `orbits --curves`: the special points of the 1/1 at many gaps, joined to lines.
 
-use super::{Args, Axis, ratios};
+use super::{Args, OrbitsAxis, ratios};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
 use crate::cli::arguments::rig::at_gap;
 use crate::pictures;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::CartModel;
 use numerics::NamedRig;
@@ -18,7 +18,7 @@ use plot::chart::Chart;
 /// # Errors
 /// If the request makes no sense, or the work is interrupted.
 pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
-    if args.along == Axis::Gap {
+    if args.along == OrbitsAxis::Gap {
         return Err(UserError::new(
             "--along gap does not go with --curves, which takes many gaps; use --gap FROM:TO:STEP",
         ));
@@ -30,7 +30,7 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
         at_gap(&rig.params, gap_m * 1e3, "--gap")?;
     }
     let ratios = ratios(args, rig)?;
-    let progress = Progress::new("gaps", gaps_m.len() as u64, output.quiet);
+    let progress = ProgressLine::new("gaps", gaps_m.len() as u64, output.quiet);
     let starts = usize::from(args.starts);
     let lines = curves::lines(&rig.params, &gaps_m, ratios, starts, &progress)?;
     progress.finish();

@@ -11,18 +11,18 @@ use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::rising;
 use crate::cli::arguments::rig::{CartArg, RigName, at_gap, parse_gap};
 use crate::pictures;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::decimal::hint;
 use numerics::NamedRig;
-use numerics::continuation::table::{Answer, BranchRow, SpecialRow};
-use numerics::continuation::{Along, End, OrbitsRequest, diagram};
+use numerics::continuation::table::{BranchRow, OrbitsAnswer, SpecialRow};
+use numerics::continuation::{Along, CurveEnd, OrbitsRequest, diagram};
 use numerics::orbit::Stability;
 use plot::chart::Chart;
 use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Axis {
+pub enum OrbitsAxis {
     /// The drive frequency, at one gap
     Frequency,
     /// The gap, at one drive frequency
@@ -38,7 +38,7 @@ pub enum Axis {
 pub struct Args {
     /// What is varied
     #[arg(long, value_enum, default_value = "frequency")]
-    along: Axis,
+    along: OrbitsAxis,
 
     /// Frequencies over the natural frequency, Ω/ω; one value with --along gap [default: 0.8:4]
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
@@ -116,10 +116,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         return curve::run(args, output, &rig);
     }
     let request = request(args, &rig)?;
-    let progress = Progress::new("starts", request.simulations(), output.quiet);
+    let progress = ProgressLine::new("starts", request.simulations(), output.quiet);
     let found = diagram(&rig.params, &request, &progress)?;
     progress.finish();
-    let answer = Answer::new(&rig.name, &found);
+    let answer = OrbitsAnswer::new(&rig.name, &found);
     if answer.failed_simulations > 0 {
         output.note(&format!(
             "note: in {} of {} simulations the hammer leaves what the model describes (beyond 1 rad or 1 m); they found no orbit",
@@ -138,7 +138,7 @@ fn one_gap(args: &Args) -> Result<Option<f64>, UserError> {
     let Some(text) = &args.gap else {
         return Ok(None);
     };
-    if args.curves || args.along == Axis::Gap {
+    if args.curves || args.along == OrbitsAxis::Gap {
         args.rig.check_gap()?;
         return Ok(None);
     }
@@ -153,8 +153,8 @@ fn one_gap(args: &Args) -> Result<Option<f64>, UserError> {
 fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
     let natural_hz = rig.params.natural_frequency_hz();
     let (along, limits) = match args.along {
-        Axis::Frequency => (Along::Frequency, ratios(args, rig)?),
-        Axis::Gap => {
+        OrbitsAxis::Frequency => (Along::Frequency, ratios(args, rig)?),
+        OrbitsAxis::Gap => {
             let one = |option: &str, text: &str| {
                 let value = text.trim().parse::<f64>().ok();
                 let value = value.filter(|x| *x > 0.0 && x.is_finite());
@@ -239,7 +239,7 @@ fn ends(option: &str, text: &str) -> Result<(f64, f64), UserError> {
     }
 }
 
-fn text(answer: &Answer) -> String {
+fn text(answer: &OrbitsAnswer) -> String {
     if answer.branches.is_empty() {
         return "no periodic orbit with contact was found; widen the range, raise --periods, --impacts or --starts\n"
             .to_owned();
@@ -328,19 +328,19 @@ fn branch_line(branch: &BranchRow) -> String {
     )
 }
 
-fn end_words(end: End) -> &'static str {
+fn end_words(end: CurveEnd) -> &'static str {
     match end {
-        End::Limit => "range ends",
-        End::Special(kind) => kind.label(),
-        End::Halved => "closes on half its period",
-        End::Closed => "closes on itself",
-        End::Lost => "not followed further",
-        End::Merged => "two contacts merge",
+        CurveEnd::Limit => "range ends",
+        CurveEnd::Special(kind) => kind.label(),
+        CurveEnd::Halved => "closes on half its period",
+        CurveEnd::Closed => "closes on itself",
+        CurveEnd::Lost => "not followed further",
+        CurveEnd::Merged => "two contacts merge",
     }
 }
 
 /// What simulations settled on besides, and what was not looked for.
-fn seen_elsewhere(answer: &Answer, parameter: &str) -> String {
+fn seen_elsewhere(answer: &OrbitsAnswer, parameter: &str) -> String {
     let mut text = String::new();
     for row in &answer.seen_elsewhere {
         let [from, to] = row.range;

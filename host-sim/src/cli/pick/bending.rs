@@ -1,8 +1,8 @@
 //! What the beams' bending modes change about an answer, in lines, and the options for their springs.
 
 use files::UserError;
-use numerics::modes::{Beam, Tip};
-use numerics::pick::{Answer, Springs};
+use numerics::modes::{Beam, TipJoint};
+use numerics::pick::{PickAnswer, Springs};
 
 const SPRINGS_MASS: f64 = 0.1;
 const SPRINGS_MASS_PERCENT: f64 = 20.0;
@@ -49,7 +49,7 @@ impl SpringsArgs {
         };
         Ok(Springs {
             beam: Beam {
-                tip: Tip::Guided,
+                tip: TipJoint::Guided,
                 mass_ratio: within("--springs-mass", self.springs_mass, (0.002, 5.0))?,
             },
             mass_percent: within(
@@ -62,7 +62,7 @@ impl SpringsArgs {
 }
 
 /// The lines about bending modes; none for wires.
-pub fn lines(a: &Answer) -> Vec<(&'static str, String)> {
+pub fn lines(a: &PickAnswer) -> Vec<(&'static str, String)> {
     let b = &a.bending;
     if !b.on_beams {
         return Vec::new();

@@ -4,14 +4,14 @@ use super::text::chart_of;
 use files::rigfile;
 use files::words::digits::Digits;
 use numerics::NamedRig;
-use numerics::pick::{Answer, Pick};
+use numerics::pick::{Pick, PickAnswer};
 
 /// Width of the names of the quantities.
 const NAMES: usize = 26;
 
 /// The answers side by side, what differs between the rigs, and both curves.
 pub fn text(rigs: &[NamedRig], picks: &[Pick]) -> String {
-    let answers: Vec<&Answer> = picks.iter().map(|pick| &pick.answer).collect();
+    let answers: Vec<&PickAnswer> = picks.iter().map(|pick| &pick.answer).collect();
     let mut table = Table::new(&answers);
     table.change(
         "run at, Hz",
@@ -71,15 +71,15 @@ pub fn text(rigs: &[NamedRig], picks: &[Pick]) -> String {
 }
 
 struct Table<'a> {
-    answers: &'a [&'a Answer],
+    answers: &'a [&'a PickAnswer],
     digits: Vec<Digits>,
     widths: Vec<usize>,
     text: String,
 }
 
 impl<'a> Table<'a> {
-    fn new(answers: &'a [&'a Answer]) -> Self {
-        let head = |a: &&Answer| format!("{}, gap {:?} mm", a.rig, a.gap_mm);
+    fn new(answers: &'a [&'a PickAnswer]) -> Self {
+        let head = |a: &&PickAnswer| format!("{}, gap {:?} mm", a.rig, a.gap_mm);
         let heads: Vec<String> = answers.iter().map(head).collect();
         let widths: Vec<usize> = heads
             .iter()
@@ -97,7 +97,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn line(&mut self, name: &str, value: impl Fn(&Answer, Digits) -> String) {
+    fn line(&mut self, name: &str, value: impl Fn(&PickAnswer, Digits) -> String) {
         let cells = self
             .answers
             .iter()
@@ -110,8 +110,8 @@ impl<'a> Table<'a> {
     fn change(
         &mut self,
         name: &str,
-        value: impl Fn(&Answer, Digits) -> String,
-        number: impl Fn(&Answer) -> f64,
+        value: impl Fn(&PickAnswer, Digits) -> String,
+        number: impl Fn(&PickAnswer) -> f64,
     ) {
         let first = self.answers.first().map_or(f64::NAN, |a| number(a));
         let cells = self.answers.iter().zip(&self.digits).enumerate();

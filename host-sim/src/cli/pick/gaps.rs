@@ -3,13 +3,13 @@
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::rig::at_gap;
 use crate::pictures::gaps::figure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
 use files::words::digits::decimals;
 use numerics::CartModel;
-use numerics::Limits;
 use numerics::NamedRig;
+use numerics::PickLimits;
 use numerics::Uncertainty;
 use numerics::pick::Springs;
 use numerics::pick::gaps::{advise, gap_steps};
@@ -34,7 +34,7 @@ pub fn run(
     output: &OutputArgs,
     gaps: &Gaps,
     uncertainty: Option<Uncertainty>,
-    limits: Limits,
+    limits: PickLimits,
 ) -> Result<(), UserError> {
     let list = &gaps.mm;
     if list.len() > MOST_GAPS {
@@ -50,7 +50,7 @@ pub fn run(
         )));
     }
     let total = gap_steps(list.len(), uncertainty, gaps.starts);
-    let progress = Progress::new("rigs and starts tried", total, output.quiet);
+    let progress = ProgressLine::new("rigs and starts tried", total, output.quiet);
     let starts = (gaps.starts, gaps.seed);
     for gap_mm in list {
         at_gap(&rig.params, tidy(*gap_mm), "--gap")?;

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// A point of the nominal stable 1/1.
 #[derive(Serialize)]
-pub struct CurveRow<'a> {
+pub struct NominalCurveRow<'a> {
     rig: &'a str,
     gap_mm: f64,
     frequency_hz: f64,
@@ -13,12 +13,12 @@ pub struct CurveRow<'a> {
 }
 
 /// The points of the nominal stable 1/1.
-pub fn curve_rows(pick: &Pick) -> Vec<CurveRow<'_>> {
+pub fn curve_rows(pick: &Pick) -> Vec<NominalCurveRow<'_>> {
     let answer = &pick.answer;
     let rows = pick
         .curve
         .iter()
-        .map(|(frequency_hz, force_ratio)| CurveRow {
+        .map(|(frequency_hz, force_ratio)| NominalCurveRow {
             rig: &answer.rig,
             gap_mm: answer.gap_mm,
             frequency_hz: *frequency_hz,

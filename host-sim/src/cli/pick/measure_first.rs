@@ -1,10 +1,10 @@
 //! What to measure first: what each parameter leaves open, in words and as a table.
 
-use numerics::pick::Answer;
+use numerics::pick::PickAnswer;
 use numerics::pick::sensitivity::Sensitivity;
 
 /// The parameters that leave the force most open, first.
-pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
+pub fn by_what_they_leave_open(a: &PickAnswer) -> Vec<&Sensitivity> {
     let mut rows: Vec<_> = a.sensitivity.iter().collect();
     rows.sort_by(|a, b| b.force_open_percent().total_cmp(&a.force_open_percent()));
     rows
@@ -40,7 +40,7 @@ pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
 }
 
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
-pub fn table(a: &Answer) -> String {
+pub fn table(a: &PickAnswer) -> String {
     let mut text = format!(
         "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open: computed over all of it for the first three, to first order for the others)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
         "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"

@@ -18,21 +18,21 @@ use shared::model::params::PRESETS;
 use super::arguments::choice::{Objective, choice};
 use super::arguments::ground::GroundArgs;
 use super::arguments::output::{OutputArgs, replaced, to_json};
-use super::arguments::over::{Over, parse_over};
+use super::arguments::over::{OverOption, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::arguments::uncertainty::UncertaintyArgs;
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::decimal::comma;
 use files::table::{Selection, to_csv};
-use files::words::pick::Worded;
+use files::words::pick::WordedPick;
 use line::{COLUMNS, curve_rows};
-use numerics::Limits;
 use numerics::NamedRig;
-use numerics::drill::pick::Request;
+use numerics::PickLimits;
+use numerics::drill::pick::DrillPickRequest;
 use numerics::pick::{Pick, pick_for_force, pick_on, steps};
 use numerics::uncertainty::Uncertainty;
 
@@ -65,7 +65,7 @@ pub struct Args {
     /// Pick at each of these values of a parameter of the rig: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with
     /// commas: contact_stiffness_n_per_m=1e6:1e7:log5
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with_all = ["all", "beside", "report"])]
-    over: Option<Over>,
+    over: Option<OverOption>,
 
     /// What to make largest
     #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
@@ -154,7 +154,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let first = widths.first().copied().flatten();
     let output = &output.about(&rigs)?.with_uncertainty(first.map(stated));
     let work = widths.iter().map(|width| steps(*width)).sum();
-    let progress = Progress::new("rigs tried", work, output.quiet);
+    let progress = ProgressLine::new("rigs tried", work, output.quiet);
     let picks = rigs.iter().zip(&widths);
     let picks = picks.map(|(rig, width)| match args.want_force_n {
         Some(wanted) => pick_for_force(rig, springs, *width, (limits, wanted), &progress),
@@ -183,7 +183,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// For the largest rate of penetration.
-fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), UserError> {
+fn for_progress(args: &Args, output: &OutputArgs, limits: PickLimits) -> Result<(), UserError> {
     refuse_others(args, "--objective rop, which is for one rig at one gap")?;
     if args.rig.several_mm()?.is_some() {
         return Err(UserError::new(
@@ -200,7 +200,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
     let uncertainty = args.uncertainty.of(&rig)?;
     let asked = args.ground.asked();
     let ground = asked.ground(&rig)?;
-    let request = Request {
+    let request = DrillPickRequest {
         ground,
         bit: asked.bit(&rig, &ground)?,
         ground_uncertainty: asked.uncertainty()?,
@@ -317,7 +317,7 @@ fn default_to_zero_gap(rig: &mut NamedRig, output: &OutputArgs) {
     rig.params.gap_m = 0.0;
 }
 
-fn limits(args: &Args) -> Result<Limits, UserError> {
+fn limits(args: &Args) -> Result<PickLimits, UserError> {
     let check = |name: &str, value: Option<f64>| match value {
         Some(x) if !(x > 0.0 && x.is_finite()) => Err(UserError::new(format!(
             "{name} is {x}, must be a positive number"
@@ -325,7 +325,7 @@ fn limits(args: &Args) -> Result<Limits, UserError> {
         _ => Ok(value),
     };
     check("--want-force-n", args.want_force_n)?;
-    Ok(Limits {
+    Ok(PickLimits {
         max_force_n: check("--max-force-n", args.max_force_n)?,
         max_frequency_hz: check("--max-frequency-hz", args.max_frequency_hz)?,
         max_shaker_force_n: check("--max-shaker-force-n", args.max_shaker_force_n)?,
@@ -345,9 +345,9 @@ fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserErro
 /// One answer as an object, several as a list.
 fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
     let value = match picks {
-        [one] => serde_json::to_value(Worded::from(&one.answer)),
+        [one] => serde_json::to_value(WordedPick::from(&one.answer)),
         _ => {
-            let worded = picks.iter().map(|p| Worded::from(&p.answer));
+            let worded = picks.iter().map(|p| WordedPick::from(&p.answer));
             serde_json::to_value(worded.collect::<Vec<_>>())
         }
     };

@@ -2,21 +2,26 @@
 
 use super::Args;
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::over::Over;
+use crate::cli::arguments::over::OverOption;
 use crate::cli::interrupt;
 use crate::kept::Kept;
 use crate::pictures;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::words::over::{OverRow, of_rig, summary};
 use files::words::digits::{decimals, significant};
 use files::{UserError, rigfile};
-use numerics::Limits;
+use numerics::PickLimits;
 use numerics::Uncertainty;
 use numerics::pick::{Springs, pick_on, steps};
 use numerics::{Error, NamedRig};
 use plot::chart::Chart;
 
-pub fn run(args: &Args, asked: &Over, springs: Springs, limits: Limits) -> Result<(), UserError> {
+pub fn run(
+    args: &Args,
+    asked: &OverOption,
+    springs: Springs,
+    limits: PickLimits,
+) -> Result<(), UserError> {
     asked.check(&args.rig.at_one())?;
     let base = rig(args, asked, &[])?;
     let output = &args.output;
@@ -39,7 +44,7 @@ pub fn run(args: &Args, asked: &Over, springs: Springs, limits: Limits) -> Resul
     }
     let rows = rows(args, asked, output, (&base, &rigs), (springs, limits))?;
     let picture = || {
-        let over = pictures::over::Over {
+        let over = pictures::over::OverPicture {
             rows: &rows,
             own: rigfile::number(&base.params, &asked.key),
             log: asked.values.log,
@@ -57,7 +62,7 @@ struct There {
 }
 
 /// The rig with `settings` on top, at 0.0 mm unless the command line says otherwise.
-fn rig(args: &Args, asked: &Over, settings: &[String]) -> Result<There, UserError> {
+fn rig(args: &Args, asked: &OverOption, settings: &[String]) -> Result<There, UserError> {
     let rig_args = args.rig.at_one();
     let loaded = rig_args.load_with(args.rig.name.name(), settings)?;
     let mut rig = args.cart.apply(loaded)?;
@@ -75,10 +80,10 @@ fn rig(args: &Args, asked: &Over, settings: &[String]) -> Result<There, UserErro
 /// A row for each rig; those that an earlier run of the same request has done are taken over.
 fn rows(
     args: &Args,
-    asked: &Over,
+    asked: &OverOption,
     output: &OutputArgs,
     (base, rigs): (&NamedRig, &[NamedRig]),
-    (springs, limits): (Springs, Limits),
+    (springs, limits): (Springs, PickLimits),
 ) -> Result<Vec<OverRow>, UserError> {
     let request = serde_json::to_string(output.made_from());
     let request = request.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
@@ -94,7 +99,7 @@ fn rows(
     let widths = rigs.iter().map(|rig| args.uncertainty.of(rig));
     let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
     let work = widths.iter().map(|width| steps(*width));
-    let progress = Progress::new("rigs tried", work.clone().sum(), output.quiet);
+    let progress = ProgressLine::new("rigs tried", work.clone().sum(), output.quiet);
     progress.inc(work.take(kept.rows().len()).sum());
     let left = rigs.iter().zip(&asked.values.list).zip(&widths);
     for ((rig, value), width) in left.skip(kept.rows().len()) {
@@ -110,7 +115,7 @@ fn rows(
     Ok(kept.finish())
 }
 
-fn text(asked: &Over, rows: &[OverRow], uncertainty: Option<Uncertainty>) -> String {
+fn text(asked: &OverOption, rows: &[OverRow], uncertainty: Option<Uncertainty>) -> String {
     let mut text = format!(
         "{}: {}\n\n{:>26}  run at, Hz  ratio  force/weight (uncertainty)  safe band, Hz     multiplier  jumps  from rest\n",
         of_rig(rows),

@@ -8,18 +8,22 @@ use super::text::{decides, ending};
 use crate::cli::arguments::output::{OutputArgs, to_json};
 use crate::pictures::drawn;
 use crate::pictures::rop::figure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::{Selection, to_csv};
 use files::words::digits::{decimals, significant};
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::drill::pick::{Request, RopPick, STEPS, pick_rop};
+use numerics::drill::pick::{DrillPickRequest, RopPick, STEPS, pick_rop};
 use plot::chart::Chart;
 
 /// Picks and answers.
-pub fn run(rig: &NamedRig, request: &Request, output: &OutputArgs) -> Result<(), UserError> {
-    let progress = Progress::new("steps", STEPS, output.quiet);
+pub fn run(
+    rig: &NamedRig,
+    request: &DrillPickRequest,
+    output: &OutputArgs,
+) -> Result<(), UserError> {
+    let progress = ProgressLine::new("steps", STEPS, output.quiet);
     let pick = pick_rop(rig, request, &progress)?;
     progress.finish();
     let value = Worded {
@@ -37,7 +41,7 @@ pub fn run(rig: &NamedRig, request: &Request, output: &OutputArgs) -> Result<(),
 #[derive(Serialize)]
 struct Worded<'a> {
     #[serde(flatten)]
-    answer: &'a numerics::pick::Answer,
+    answer: &'a numerics::pick::PickAnswer,
     #[serde(flatten)]
     ground: &'a numerics::drill::pick::answer::OnGround,
     why: String,

@@ -7,9 +7,9 @@ use files::words::pick::{
     shaker_limit, why,
 };
 use numerics::CartModel;
-use numerics::branch::End;
+use numerics::branch::BranchEnd;
 use numerics::limits::LimitUse;
-use numerics::pick::{Answer, Pick};
+use numerics::pick::{Pick, PickAnswer};
 use plot::chart::Chart;
 
 /// One answer in full, several side by side.
@@ -85,12 +85,12 @@ fn one_text(pick: &Pick) -> String {
 pub type Lines = Vec<(&'static str, String)>;
 
 /// The answer line by line.
-pub fn lines(a: &Answer) -> Lines {
+pub fn lines(a: &PickAnswer) -> Lines {
     [operation(a), stability(a), shaker(a), limits(a)].concat()
 }
 
 /// The first line.
-pub fn head(a: &Answer) -> String {
+pub fn head(a: &PickAnswer) -> String {
     let mm = rounded_mm(a.shaker.stroke_mm);
     let stroke = match a.wanted_force_n {
         Some(n) => format!("for {n} N, give it {mm} mm of stroke and "),
@@ -110,7 +110,7 @@ pub fn head(a: &Answer) -> String {
 }
 
 /// The force at the operating point, and over the uncertainty.
-pub fn force(a: &Answer) -> String {
+pub fn force(a: &PickAnswer) -> String {
     let digits = Digits::of(a);
     let (n, ratio) = (digits.force_n, digits.force_ratio);
     let nominal = format!(
@@ -127,7 +127,7 @@ pub fn force(a: &Answer) -> String {
 }
 
 /// Regime, force and band at the operating point.
-fn operation(a: &Answer) -> Lines {
+fn operation(a: &PickAnswer) -> Lines {
     let digits = Digits::of(a);
     let over = a.uncertainty.map_or("", |_| " over the uncertainty");
     let [low, high] = a.safe_band_hz;
@@ -172,7 +172,7 @@ fn operation(a: &Answer) -> Lines {
 }
 
 /// How long a run from rest takes to get to the force.
-fn settling(a: &Answer) -> Option<(&'static str, String)> {
+fn settling(a: &PickAnswer) -> Option<(&'static str, String)> {
     let (cycles, seconds) = (a.force_settling_cycles?, a.force_settling_s?);
     Some((
         "settles",
@@ -181,7 +181,7 @@ fn settling(a: &Answer) -> Option<(&'static str, String)> {
 }
 
 /// What the force in the band is of, on beams.
-fn with_modes(a: &Answer) -> String {
+fn with_modes(a: &PickAnswer) -> String {
     match a.bending.modes {
         None if a.bending.on_beams => " with one bending mode".to_owned(),
         None | Some(1) => String::new(),
@@ -190,7 +190,7 @@ fn with_modes(a: &Answer) -> String {
 }
 
 /// Which cart the answer is for, and what the other would give.
-fn cart(a: &Answer) -> Lines {
+fn cart(a: &PickAnswer) -> Lines {
     let digits = Digits::of(a);
     let Some(held) = a.shaker_loop else {
         let what =
@@ -235,7 +235,7 @@ fn cart(a: &Answer) -> Lines {
 }
 
 /// What the frequency keeps from the ends of the range in which every rig of the uncertainty has its 1/1.
-fn reserve(a: &Answer) -> &'static str {
+fn reserve(a: &PickAnswer) -> &'static str {
     if a.limits.iter().any(LimitUse::is_reserve) {
         "; the frequency keeps a reserve of 1 % from where a rig of the uncertainty loses its 1/1"
     } else if a.limits.iter().any(LimitUse::is_narrow_reserve) {
@@ -246,7 +246,7 @@ fn reserve(a: &Answer) -> &'static str {
 }
 
 /// The weakest of the uncertainty at the ends of the safe band, where there is an uncertainty.
-fn at_the_ends(a: &Answer) -> String {
+fn at_the_ends(a: &PickAnswer) -> String {
     let [Some(low), Some(high)] = a.safe_band_force_ratio_worst else {
         return String::new();
     };
@@ -261,7 +261,7 @@ fn at_the_ends(a: &Answer) -> String {
     )
 }
 
-fn stability(a: &Answer) -> Lines {
+fn stability(a: &PickAnswer) -> Lines {
     let [low, high] = a.stable_one_one_hz;
     let [below, above] = a.stable_one_one_ends.map(ending);
     let digits = Digits::of(a);
@@ -317,7 +317,7 @@ fn stability(a: &Answer) -> Lines {
 }
 
 /// What the shaker must give, and what it gets for it.
-fn shaker(a: &Answer) -> Lines {
+fn shaker(a: &PickAnswer) -> Lines {
     let s = &a.shaker;
     let digits = Digits::of(a);
     let held = s.loop_force_n.map_or(String::new(), |force| {
@@ -365,7 +365,7 @@ fn shaker(a: &Answer) -> Lines {
 }
 
 /// Whether the shaker that was asked for is strong enough, and if not, what gave way.
-fn enough(a: &Answer) -> Option<String> {
+fn enough(a: &PickAnswer) -> Option<String> {
     let limit = shaker_limit(a)?;
     let (most, digits) = (limit.limit?, Digits::of(a));
     let here = digits.other(a.shaker.loop_force_n.unwrap_or(a.shaker.force_n));
@@ -408,7 +408,7 @@ pub(super) fn decides(limit: &LimitUse, all: &[LimitUse]) -> String {
     }
 }
 
-fn limits(a: &Answer) -> Lines {
+fn limits(a: &PickAnswer) -> Lines {
     let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
         let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
@@ -439,7 +439,7 @@ fn chart(pick: &Pick) -> String {
     .render()
 }
 
-fn from_rest(a: &Answer) -> String {
+fn from_rest(a: &PickAnswer) -> String {
     let nominal = format!(
         "{} (a run from rest settles on {}",
         a.regime, a.regime_from_rest
@@ -454,13 +454,13 @@ fn from_rest(a: &Answer) -> String {
 }
 
 /// How a stable 1/1 ends, in words.
-pub fn ending(end: End) -> &'static str {
+pub fn ending(end: BranchEnd) -> &'static str {
     match end {
-        End::PeriodDoubling => "period doubling",
-        End::ExtraContact => "another contact appears",
-        End::Fold => "the orbit ends: fold or graze",
-        End::SearchLimit => "end of the search",
-        End::ContactAtSection => {
+        BranchEnd::PeriodDoubling => "period doubling",
+        BranchEnd::ExtraContact => "another contact appears",
+        BranchEnd::Fold => "the orbit ends: fold or graze",
+        BranchEnd::SearchLimit => "end of the search",
+        BranchEnd::ContactAtSection => {
             "it goes on, with a contact at drive phase 0, where it is not followed"
         }
     }

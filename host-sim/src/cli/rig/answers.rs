@@ -6,8 +6,8 @@ use clap::ValueEnum;
 use clap::builder::RangedI64ValueParser;
 
 use crate::own_rig::reading::{
-    CONTACT_TIME, DAMPING_RATIO, FORCE, FREQUENCY, GAP, LOOP_DAMPING, MASS, RESTITUTION, Reading,
-    STROKE, SWING_TIME, WIRE_LENGTH,
+    CONTACT_TIME, DAMPING_RATIO, FORCE, FREQUENCY, GAP, LOOP_DAMPING, MASS, OwnReading,
+    RESTITUTION, STROKE, SWING_TIME, WIRE_LENGTH,
 };
 use crate::own_rig::surface;
 
@@ -75,11 +75,11 @@ pub struct Answers {
 
     /// Weight of the hammer with what moves with it: 298g, 298+-1g or "298 299 297.5 g"
     #[arg(long, value_name = "READING", value_parser = |text: &str| MASS.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
-    pub mass: Option<Reading>,
+    pub mass: Option<OwnReading>,
 
     /// Wires: from where they hang to the hammer's centre of mass: 75mm
     #[arg(long, value_name = "READING", value_parser = |text: &str| WIRE_LENGTH.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
-    pub wire_length: Option<Reading>,
+    pub wire_length: Option<OwnReading>,
 
     /// Full swings that were timed, to and fro, cart held still, without contact
     #[arg(long, value_name = "N", value_parser = swings(), requires = "swing_time", help_heading = "Hammer")]
@@ -87,11 +87,11 @@ pub struct Answers {
 
     /// Their time by the stopwatch: 10.99s
     #[arg(long, value_name = "READING", value_parser = |text: &str| SWING_TIME.read(text), allow_hyphen_values = true, requires = "swings", help_heading = "Hammer")]
-    pub swing_time: Option<Reading>,
+    pub swing_time: Option<OwnReading>,
 
     /// Natural frequency, if it is known otherwise: 1.82Hz
     #[arg(long, value_name = "READING", value_parser = |text: &str| FREQUENCY.read(text), allow_hyphen_values = true, conflicts_with_all = ["swings", "wire_length"], help_heading = "Hammer")]
-    pub natural_frequency: Option<Reading>,
+    pub natural_frequency: Option<OwnReading>,
 
     /// Beams, ringing down freely: swing in mm at first, in mm at last, and full swings between: 5:3.1:20
     #[arg(long, value_name = "FROM:TO:SWINGS", value_parser = ring_down, conflicts_with = "damping_ratio", help_heading = "Hammer")]
@@ -99,31 +99,31 @@ pub struct Answers {
 
     /// Beams: damping ratio
     #[arg(long, value_name = "READING", value_parser = |text: &str| DAMPING_RATIO.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
-    pub damping_ratio: Option<Reading>,
+    pub damping_ratio: Option<OwnReading>,
 
     /// Stroke of the cart, from end to end: 1.8mm
     #[arg(long, value_name = "READING", value_parser = |text: &str| STROKE.read(text), allow_hyphen_values = true, help_heading = "Cart")]
-    pub stroke: Option<Reading>,
+    pub stroke: Option<OwnReading>,
 
     /// Weight of the cart with what moves with it, without the hammer: 5.4kg
     #[arg(long, value_name = "READING", value_parser = |text: &str| MASS.read(text), allow_hyphen_values = true, help_heading = "Cart")]
-    pub cart_mass: Option<Reading>,
+    pub cart_mass: Option<OwnReading>,
 
     /// Natural frequency of the shaker's position loop with the cart alone: 50Hz; unknown: the cart is moved as prescribed
     #[arg(long, value_name = "READING", value_parser = |text: &str| FREQUENCY.read(text), allow_hyphen_values = true, help_heading = "Cart")]
-    pub shaker_loop: Option<Reading>,
+    pub shaker_loop: Option<OwnReading>,
 
     /// Damping ratio of that loop [default: assumed]
     #[arg(long, value_name = "READING", value_parser = |text: &str| LOOP_DAMPING.read(text), allow_hyphen_values = true, requires = "shaker_loop", help_heading = "Cart")]
-    pub shaker_damping_ratio: Option<Reading>,
+    pub shaker_damping_ratio: Option<OwnReading>,
 
     /// Largest force that the shaker can give: 60N; unknown: it limits nothing
     #[arg(long, value_name = "READING", value_parser = |text: &str| FORCE.read(text), allow_hyphen_values = true, requires = "shaker_loop", help_heading = "Cart")]
-    pub shaker_force: Option<Reading>,
+    pub shaker_force: Option<OwnReading>,
 
     /// Clearance between hammer and surface at rest [default: 0+-0.05mm]
     #[arg(long, value_name = "READING", value_parser = |text: &str| GAP.read(text), allow_hyphen_values = true, help_heading = "Contact")]
-    pub gap: Option<Reading>,
+    pub gap: Option<OwnReading>,
 
     /// A drop test for `identify`: CSV with the columns time_s and force_n
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["surface", "restitution", "contact_time"], help_heading = "Contact")]
@@ -140,14 +140,14 @@ pub struct Answers {
 
     /// How long hammer and surface touch in one contact: 0.57ms
     #[arg(long, value_name = "READING", value_parser = |text: &str| CONTACT_TIME.read(text), allow_hyphen_values = true, help_heading = "Contact")]
-    pub contact_time: Option<Reading>,
+    pub contact_time: Option<OwnReading>,
 
     /// Restitution: with the gap at 0 and the cart still, how far the hammer rebounds over how far it was pulled back
     #[arg(long, value_name = "READING", value_parser = |text: &str| RESTITUTION.read(text), allow_hyphen_values = true, help_heading = "Contact")]
-    pub restitution: Option<Reading>,
+    pub restitution: Option<OwnReading>,
 
     /// What the hammer (of steel) strikes: for the stiffness without a contact time, and for the restitution if it is not
     /// measured
     #[arg(long, value_enum, help_heading = "Contact")]
-    pub surface: Option<surface::Choice>,
+    pub surface: Option<surface::SurfaceChoice>,
 }

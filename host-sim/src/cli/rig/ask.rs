@@ -9,10 +9,10 @@ use super::answers::{Answers, RingDown, Support, ring_down};
 use super::describe::{check_frequency, known_hz, natural_frequency, possible_gap, swung};
 use crate::own_rig::contact::{ratios, times};
 use crate::own_rig::reading::{
-    CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, RESTITUTION, Reading, STROKE, SWING_TIME,
+    CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, OwnReading, RESTITUTION, STROKE, SWING_TIME,
     WIRE_LENGTH,
 };
-use crate::own_rig::surface::{Choice, SURFACES};
+use crate::own_rig::surface::{SURFACES, SurfaceChoice};
 use files::UserError;
 
 /// Asks on `out` for what `answers` leaves open, and reads from `input`. An empty line leaves an answer open.
@@ -75,7 +75,7 @@ pub fn ask(
         answers.shaker_force = dialogue.perhaps(question, |text| FORCE.read_in("N", text))?;
     }
     let hz = known_hz(answers);
-    let fits = |gap: &Reading| hz.map_or(Ok(()), |hz| possible_gap(support, hz, gap));
+    let fits = |gap: &OwnReading| hz.map_or(Ok(()), |hz| possible_gap(support, hz, gap));
     if let Some(Err(why)) = answers.gap.as_ref().map(fits) {
         dialogue.say(&format!("  --gap {why}"))?;
         answers.gap = None;
@@ -164,8 +164,9 @@ impl Dialogue<'_> {
         let measured = answers.contact_time.is_some() && answers.restitution.is_some();
         if !measured && answers.surface.is_none() {
             let names = SURFACES.each_ref().map(|surface| surface.name()).join(", ");
-            let read =
-                |text: &str| Choice::meant(text).ok_or_else(|| format!("write one of {names}"));
+            let read = |text: &str| {
+                SurfaceChoice::meant(text).ok_or_else(|| format!("write one of {names}"))
+            };
             let question = format!("What does the hammer strike: {names}");
             answers.surface = Some(self.needed(&question, SURFACES[0].name(), read)?);
         }
@@ -177,8 +178,8 @@ impl Dialogue<'_> {
         &mut self,
         question: &str,
         example: &str,
-        read: impl Fn(&str) -> Result<Reading, String>,
-    ) -> Result<Reading, UserError> {
+        read: impl Fn(&str) -> Result<OwnReading, String>,
+    ) -> Result<OwnReading, UserError> {
         let reading = self.needed(question, example, &read)?;
         self.doubted(reading, read)
     }
@@ -187,8 +188,8 @@ impl Dialogue<'_> {
     fn perhaps(
         &mut self,
         question: &str,
-        read: impl Fn(&str) -> Result<Reading, String>,
-    ) -> Result<Option<Reading>, UserError> {
+        read: impl Fn(&str) -> Result<OwnReading, String>,
+    ) -> Result<Option<OwnReading>, UserError> {
         match self.open(question, &read)? {
             Some(reading) => self.doubted(reading, read).map(Some),
             None => Ok(None),
@@ -198,9 +199,9 @@ impl Dialogue<'_> {
     /// `reading`, or what is written in its place if it is doubtful.
     fn doubted(
         &mut self,
-        reading: Reading,
-        read: impl Fn(&str) -> Result<Reading, String>,
-    ) -> Result<Reading, UserError> {
+        reading: OwnReading,
+        read: impl Fn(&str) -> Result<OwnReading, String>,
+    ) -> Result<OwnReading, UserError> {
         let Some(doubt) = &reading.doubt else {
             return Ok(reading);
         };
@@ -262,7 +263,7 @@ impl Dialogue<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::own_rig::reading::{DAMPING_RATIO, Quantity};
+    use crate::own_rig::reading::{DAMPING_RATIO, ReadingQuantity};
 
     fn asked(typed: &str, mut answers: Answers) -> (Result<(), UserError>, Answers, String) {
         let mut out = Vec::new();
@@ -277,7 +278,7 @@ mod tests {
                      1800mm\n1.78mm\n\n5.38kg\n50Hz\n60N\n\nmissing.csv\n\n\n0.32+-0.02\nrope\nRubber\n";
         let (done, answers, out) = asked(typed, Answers::default());
         done.unwrap();
-        let text = |reading: &Option<Reading>| reading.clone().map(|reading| reading.text);
+        let text = |reading: &Option<OwnReading>| reading.clone().map(|reading| reading.text);
         assert_eq!(answers.support, Some(Support::Wires));
         assert_eq!(text(&answers.mass).as_deref(), Some("298g"));
         assert_eq!(
@@ -320,7 +321,8 @@ mod tests {
         ] {
             assert!(out.contains(said), "{said}: {out}");
         }
-        let text = |reading: &Option<Reading>| reading.clone().map(|r| r.text).unwrap_or_default();
+        let text =
+            |reading: &Option<OwnReading>| reading.clone().map(|r| r.text).unwrap_or_default();
         assert_eq!(text(&answers.wire_length), "50 mm");
         assert_eq!(text(&answers.stroke), "1.78 mm");
         assert_eq!(text(&answers.shaker_loop), "30 Hz");
@@ -388,7 +390,7 @@ mod tests {
 
     #[test]
     fn what_the_options_say_is_not_asked() {
-        let read = |quantity: &Quantity, text: &str| Some(quantity.read(text).unwrap());
+        let read = |quantity: &ReadingQuantity, text: &str| Some(quantity.read(text).unwrap());
         let given = Answers {
             support: Some(Support::Beams),
             mass: read(&MASS, "298g"),

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::answers::{Answers, Support};
 use crate::own_rig::file::RigFile;
-use crate::own_rig::reading::{From, Reading};
+use crate::own_rig::reading::{From, OwnReading};
 use files::UserError;
 use shared::model::params::GRAVITY_M_PER_S2;
 
@@ -118,7 +118,7 @@ fn of_length(m: f64) -> f64 {
 ///
 /// # Errors
 /// In words: the gap, and what it is too large for.
-pub fn possible_gap(support: Support, hz: f64, gap: &Reading) -> Result<(), String> {
+pub fn possible_gap(support: Support, hz: f64, gap: &OwnReading) -> Result<(), String> {
     let length = GRAVITY_M_PER_S2 / (TAU * hz).powi(2);
     if support == Support::Beams || gap.value.abs() <= 0.5 * length {
         return Ok(());
@@ -171,7 +171,7 @@ pub fn natural_frequency(support: Support, (hz, given): (f64, String)) -> Result
 }
 
 /// The frequency of so many swings, Hz, and how it was measured.
-pub fn swung(swings: u32, time: &Reading) -> (f64, String) {
+pub fn swung(swings: u32, time: &OwnReading) -> (f64, String) {
     let hz = f64::from(swings) / time.value;
     (hz, format!("{swings} swings in {}", time.text))
 }
@@ -181,7 +181,7 @@ impl Described {
     fn quantity(
         &mut self,
         (key, width): (&'static str, &'static str),
-        reading: &Reading,
+        reading: &OwnReading,
         factor: f64,
         how: &str,
         option: &str,
@@ -193,7 +193,7 @@ impl Described {
     }
 
     /// A reading as it was written, with what is doubtful about it, which is also said aloud.
-    fn read(&mut self, option: &str, reading: &Reading) -> String {
+    fn read(&mut self, option: &str, reading: &OwnReading) -> String {
         let text = &reading.text;
         match &reading.doubt {
             None => text.clone(),
@@ -295,7 +295,7 @@ impl Described {
     fn gap(&mut self, answers: &Answers, support: Support, hz: f64) -> Result<(), UserError> {
         let (gap, source, how) = match &answers.gap {
             None => (
-                Reading::assumed(0.0, ASSUMED_GAP_MM / 1e3),
+                OwnReading::assumed(0.0, ASSUMED_GAP_MM / 1e3),
                 "not measured: hung so that it just touches".to_owned(),
                 "not measured: assumed".to_owned(),
             ),

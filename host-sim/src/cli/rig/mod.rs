@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 use super::arguments::output::note;
 use super::pick::measure_first::left_open;
 use super::terminal::print;
-use crate::own_rig::contact::Contact;
+use crate::own_rig::contact::OwnContact;
 use answers::Answers;
 use describe::{Described, describe};
-use files::words::identify::Worded;
+use files::words::identify::WordedFit;
 use files::{UserError, rigfile};
-use numerics::Limits;
 use numerics::NamedRig;
-use numerics::identify::{Fit, Misfit, Settings, fit, measure};
+use numerics::PickLimits;
+use numerics::identify::{IdentifiedFit, Misfit, SearchSettings, fit, measure};
 use numerics::pick::pick;
 use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
@@ -99,13 +99,13 @@ fn identified(
     answers: &Answers,
     described: &mut Described,
     quiet: bool,
-) -> Result<Contact, UserError> {
+) -> Result<OwnContact, UserError> {
     let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
     let signal = crate::record::read(file, |line| note(quiet, line), |_| ())?;
-    let settings = Settings {
+    let settings = SearchSettings {
         release_m: super::identify::release_mm(answers.release_mm, &signal)? * 1e-3,
         impacts: 6,
-        ..Settings::DEFAULT
+        ..SearchSettings::DEFAULT
     };
     let params = without_contact(described)?;
     let measured = measure(&signal, &settings)?;
@@ -122,13 +122,13 @@ fn identified(
             file.display()
         )));
     }
-    let warnings = Worded::from(&fit).warnings;
+    let warnings = WordedFit::from(&fit).warnings;
     let notes = warnings.iter().map(|w| format!("note: drop test: {w}"));
     described.notes.extend(notes);
     let (stiffness, stiffness_percent) = estimate(&fit, "contact_stiffness_n_per_m")?;
     let (damping, damping_percent) = estimate(&fit, "contact_damping_n_s_per_m")?;
     let percent = [stiffness_percent, damping_percent];
-    Ok(Contact::apart(stiffness, damping, percent))
+    Ok(OwnContact::apart(stiffness, damping, percent))
 }
 
 /// The rig so far, with a contact that the search begins from.
@@ -141,7 +141,7 @@ fn without_contact(described: &Described) -> Result<RigParams, UserError> {
 }
 
 /// A parameter and its half-width, %. An interval that the data do not bound is one of 80 %.
-fn estimate(fit: &Fit, key: &str) -> Result<(f64, f64), UserError> {
+fn estimate(fit: &IdentifiedFit, key: &str) -> Result<(f64, f64), UserError> {
     let found = fit.parameters.iter().find(|p| p.key == key);
     let found = found.ok_or_else(|| UserError::new(format!("the drop test gives no {key}")))?;
     let off = |end: Option<f64>| end.map_or(80.0, |end| 100.0 * (end / found.value - 1.0).abs());
@@ -161,7 +161,7 @@ fn summary(file: &Path, described: &Described, rig: &NamedRig, stated: &Stated) 
 
 /// What spoils the answer most, by the slopes of the nominal optimum.
 fn worst_known(rig: &NamedRig, stated: &Stated) -> String {
-    let picked = match pick(rig, None, Limits::default(), &()) {
+    let picked = match pick(rig, None, PickLimits::default(), &()) {
         Ok(picked) => picked,
         Err(error) => return format!("No recommendation yet: {}\n", UserError::from(error)),
     };

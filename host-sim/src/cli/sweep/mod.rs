@@ -9,18 +9,18 @@ use crate::cli::arguments::cycles::CycleArgs;
 use crate::cli::arguments::drive::Drives;
 use crate::cli::arguments::engine::EngineArgs;
 use crate::cli::arguments::output::{Format, OutputArgs, to_json};
-use crate::cli::arguments::over::{Over, parse_over};
+use crate::cli::arguments::over::{OverOption, parse_over};
 use crate::cli::arguments::rig::{CartArg, RigArgs};
 use crate::cli::terminal::print;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::to_csv;
 use numerics::error::MotionError;
-use numerics::row::Row;
-use numerics::sweep::{Direction, Measured, MeasuredError, sweep};
+use numerics::row::RunRow;
+use numerics::sweep::{Direction, MeasuredCurve, MeasuredError, sweep};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -37,7 +37,7 @@ pub struct Args {
     /// Instead of over frequency, over a parameter of the rig at one frequency: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN
     /// (N values evenly spaced, or by even factors), or values with commas: contact_stiffness_n_per_m=1e5:1e7:log20
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with = "measured")]
-    over: Option<Over>,
+    over: Option<OverOption>,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     // The picture shows both directions, so that a jump is seen.
     let both = args.direction != Direction::Rest && output.out.is_some();
     let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
-    let progress = Progress::new("frequencies", runs, output.quiet);
+    let progress = ProgressLine::new("frequencies", runs, output.quiet);
     let run = |direction| sweep(&rig, engine, &frequencies, direction, plan, &progress);
     let other = match args.direction {
         Direction::Up if both => Some(Direction::Down),
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// Why the run of `row` failed, if it did.
-fn why_failed(row: &Row) -> Option<&'static str> {
+fn why_failed(row: &RunRow) -> Option<&'static str> {
     row.failed.then(|| {
         row.failure
             .map_or("the run did not end", MotionError::in_few_words)
@@ -136,7 +136,7 @@ fn why_failed(row: &Row) -> Option<&'static str> {
 }
 
 /// Says how many rows failed.
-fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a Row>) {
+fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a RunRow>) {
     let (mut failed, mut all) = (0, 0);
     for row in rows {
         all += 1;
@@ -163,7 +163,7 @@ fn describe(error: &MeasuredError) -> String {
     )
 }
 
-fn text(rows: &[Row]) -> String {
+fn text(rows: &[RunRow]) -> String {
     let mut text = heading(rows) + "\n\n";
     text += "   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n";
     let every = rows.len().div_ceil(40).max(1);
@@ -200,7 +200,7 @@ fn text(rows: &[Row]) -> String {
 }
 
 /// What is swept, for text and picture.
-fn heading(rows: &[Row]) -> String {
+fn heading(rows: &[RunRow]) -> String {
     rows.first().map_or(String::new(), |r| {
         let cart = r.cart.words();
         format!(
@@ -216,9 +216,9 @@ const BLACK: Color = Color(0, 0, 0);
 
 fn figure(
     direction: Direction,
-    rows: &[Row],
-    others: Option<&[Row]>,
-    measured: Option<&Measured>,
+    rows: &[RunRow],
+    others: Option<&[RunRow]>,
+    measured: Option<&MeasuredCurve>,
     error: Option<MeasuredError>,
 ) -> Figure {
     let mut subtitle = match direction {
@@ -242,8 +242,8 @@ fn figure(
 }
 
 /// The simulated curves, with a dot for each regime.
-fn curves(direction: Direction, rows: &[Row], others: Option<&[Row]>) -> Panel {
-    let curve = |rows: &[Row]| {
+fn curves(direction: Direction, rows: &[RunRow], others: Option<&[RunRow]>) -> Panel {
+    let curve = |rows: &[RunRow]| {
         let points = rows.iter().map(|r| (r.frequency_hz, r.force_n));
         points.collect::<Vec<_>>()
     };

@@ -4,17 +4,17 @@ use serde::Serialize;
 
 use super::{Args, why_failed};
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::over::Over;
+use crate::cli::arguments::over::OverOption;
 use crate::pictures::over::axis_label;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::Selection;
 use files::words::digits::significant;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::row::Row;
+use numerics::row::RunRow;
 use numerics::sweep::{Direction, over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
@@ -26,7 +26,7 @@ struct OverRow<'a> {
     parameter: &'a str,
     /// Its value, in the unit of its name.
     value: f64,
-    row: &'a Row,
+    row: &'a RunRow,
 }
 
 /// What a table has of it.
@@ -51,7 +51,7 @@ const COLUMNS: &[&str] = &[
 ///
 /// # Errors
 /// If a rig cannot be, more than one frequency is given, or a run fails.
-pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
+pub fn run(args: &Args, asked: &OverOption) -> Result<(), UserError> {
     asked.check(&args.rig)?;
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &args.output.about([&rig])?;
@@ -59,7 +59,7 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let runs = runs(args, asked)?;
-    let progress = Progress::new("values", runs.len() as u64, output.quiet);
+    let progress = ProgressLine::new("values", runs.len() as u64, output.quiet);
     let rows = over(&runs, engine, args.direction, plan, &progress)?;
     progress.finish();
     super::note_failed(output, rows.iter());
@@ -78,7 +78,7 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
 }
 
 /// A rig and its drive frequency for each value.
-fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
+fn runs(args: &Args, asked: &OverOption) -> Result<Vec<(NamedRig, f64)>, UserError> {
     let one = |value: &f64| {
         let name = args.rig.name.name();
         let rig = args.rig.load_with(name, &asked.setting(*value));
@@ -95,9 +95,9 @@ fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
 }
 
 /// What is computed, for text and picture: the rig, and the gap, cart and drive that all values share.
-fn heading(rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
+fn heading(rig: &NamedRig, asked: &OverOption, rows: &[OverRow<'_>]) -> String {
     let cart = CartModel::of(&rig.params).words();
-    let shared = |value: fn(&Row) -> f64| {
+    let shared = |value: fn(&RunRow) -> f64| {
         let first = value(rows.first()?.row);
         let same = |x: f64| (x - first).abs() <= 1e-9 * first.abs();
         rows.iter().all(|r| same(value(r.row))).then_some(first)
@@ -118,7 +118,7 @@ fn heading(rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
     )
 }
 
-fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
+fn text(output: &OutputArgs, rig: &NamedRig, asked: &OverOption, rows: &[OverRow<'_>]) -> String {
     let mut text = format!(
         "{}\n\n{:>28}   Hz        Ω/ω      regime      force/weight  force, N\n",
         heading(rig, asked, rows),
@@ -172,7 +172,12 @@ fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>])
 
 const BLUE: Color = Color(0x1f, 0x4e, 0x79);
 
-fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_>]) -> Figure {
+fn figure(
+    rig: &NamedRig,
+    direction: Direction,
+    asked: &OverOption,
+    rows: &[OverRow<'_>],
+) -> Figure {
     let how = match direction {
         Direction::Rest => "each value from rest",
         Direction::Up => "state carried from value to value, upwards",
@@ -184,9 +189,9 @@ fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_
     let mut panel = Panel::new(axis, Axis::new("contact force, N").with_zero())
         .item(Item::line("force", BLUE, curve));
     // Points by regime come with frequencies and force ratios: here the values and newtons take their places.
-    let placed: Vec<Row> = rows
+    let placed: Vec<RunRow> = rows
         .iter()
-        .map(|r| Row {
+        .map(|r| RunRow {
             frequency_hz: r.value,
             force_ratio: r.row.force_n,
             ..r.row.clone()

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::cli::arguments::output::OutputArgs;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use emulator::trials::Believed;
 use emulator::trials::long::{Campaign, LongRow, drift, run_all};
 use files::UserError;
@@ -24,7 +24,7 @@ pub(super) fn run(
     seconds: f64,
     rigs: &[Believed],
     output: &OutputArgs,
-    progress: &Progress,
+    progress: &ProgressLine,
 ) -> Result<(), UserError> {
     let rows = run_all(seed, trials, rigs, seconds, progress)?;
     progress.finish();

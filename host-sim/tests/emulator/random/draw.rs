@@ -2,7 +2,7 @@
 
 use emulator::cart::{Friction, Stops};
 use emulator::motor::MotorParams;
-use emulator::scenario::{Act, Mode, Scenario, Stuck, Timed, parse};
+use emulator::scenario::{Scenario, ScenarioAct, StartMode, Stuck, Timed, parse};
 use emulator::shaker::ArmatureParams;
 use emulator::under_test::Reset;
 use shared::settings::DriveKind;
@@ -82,9 +82,9 @@ kinds! {
 }
 
 /// Something that happens during the run, if the kind is one of those.
-fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<Act> {
+fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<ScenarioAct> {
     let strong_n = f64::from(scenario.settings.limits.force_n) / 2.5;
-    let drift = |hz: f64, gap_mm: f64, restitution: Option<f64>, over_s: f64| Act::Drift {
+    let drift = |hz: f64, gap_mm: f64, restitution: Option<f64>, over_s: f64| ScenarioAct::Drift {
         over_s,
         natural_frequency_percent: hz,
         contact_stiffness_percent: 0.0,
@@ -93,25 +93,25 @@ fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<Act> {
         restitution,
     };
     Some(match kind {
-        Kind::Emergency => Act::EmergencyStop {
+        Kind::Emergency => ScenarioAct::EmergencyStop {
             for_s: Some(r.within(1e-4, 1.0)),
         },
         Kind::Link => {
             if r.below(2) == 0 {
-                Act::Link {}
+                ScenarioAct::Link {}
             } else {
-                Act::LinkLoss {}
+                ScenarioAct::LinkLoss {}
             }
         }
-        Kind::Overrun => Act::Overrun {
+        Kind::Overrun => ScenarioAct::Overrun {
             blocks: r.count(1, 6),
             every: r.count(1, 8),
         },
-        Kind::Lost => Act::LostBlock {
+        Kind::Lost => ScenarioAct::LostBlock {
             blocks: r.count(1, 6),
             every: r.count(1, 8),
         },
-        Kind::Reset => Act::Reset {
+        Kind::Reset => ScenarioAct::Reset {
             cause: r.one(&[
                 Reset::PowerOn,
                 Reset::Watchdog,
@@ -121,13 +121,15 @@ fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<Act> {
             ]),
         },
         Kind::Command => match r.below(3) {
-            0 => Act::ClearFault {},
-            1 => Act::Start {
-                mode: Mode::Automatic,
+            0 => ScenarioAct::ClearFault {},
+            1 => ScenarioAct::Start {
+                mode: StartMode::Automatic,
             },
-            _ => Act::Start { mode: Mode::Manual },
+            _ => ScenarioAct::Start {
+                mode: StartMode::Manual,
+            },
         },
-        Kind::Push => Act::Push {
+        Kind::Push => ScenarioAct::Push {
             speed_m_per_s: r.within(-0.6, 0.6),
         },
         Kind::Drift => drift(
@@ -137,33 +139,33 @@ fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<Act> {
             r.within(0.0, 2.0),
         ),
         Kind::Restitution => drift(0.0, 0.0, Some(r.within(0.15, 0.9)), r.within(0.0, 4.0)),
-        Kind::Recede => Act::Recede {
+        Kind::Recede => ScenarioAct::Recede {
             mm_per_j: r.within(0.0, 40.0),
             mm_per_s: r.within(0.0, 0.3),
             up_to_mm: Some(r.within(0.1, 3.0)),
             for_s: None,
         },
-        Kind::Tilt => Act::Tilt {
+        Kind::Tilt => ScenarioAct::Tilt {
             degrees: r.within(-2.0, 2.0),
             over_s: r.within(0.0, 3.0),
         },
         Kind::Friction => {
             let coulomb_n = r.within(0.0, 40.0);
-            Act::CartFriction {
+            ScenarioAct::CartFriction {
                 coulomb_n: Some(coulomb_n),
                 static_n: Some(coulomb_n * r.within(1.0, 3.0)),
                 viscous_n_s_per_m: Some(r.within(0.0, 60.0)),
                 for_s: Some(r.within(0.5, 8.0)),
             }
         }
-        Kind::StuckDrive => Act::StuckDrive {
+        Kind::StuckDrive => ScenarioAct::StuckDrive {
             how: r.one(&[Stuck::RunsOn, Stuck::Powered]),
             for_s: Some(r.within(0.1, 4.0)),
         },
         Kind::ByHand => {
             let natural_hz = scenario.settings.rig.natural_frequency_hz();
             let amplitude_mm = 1e3 * scenario.settings.rig.amplitude_m;
-            Act::SetPoint {
+            ScenarioAct::SetPoint {
                 frequency_hz: natural_hz * r.within(0.5, 4.5),
                 amplitude_mm: amplitude_mm * r.within(0.0, 2.0),
             }
@@ -260,13 +262,13 @@ pub fn scenario(number: u64, kinds: &[Kind]) -> Scenario {
     if r.below(2) == 0 {
         trips(&mut scenario, r);
     }
-    let mut mode = Mode::Automatic;
+    let mut mode = StartMode::Automatic;
     let mut events = Vec::new();
     for _ in 0..r.count(1, 6) {
         let kind = r.one(kinds);
         hardware(kind, &mut scenario, r);
         if kind == Kind::ByHand {
-            mode = Mode::Manual;
+            mode = StartMode::Manual;
         }
         // One in five is there from the start, also in a long one.
         let from_start = r.below(5) == 0 && kind != Kind::Reset;
@@ -275,14 +277,17 @@ pub fn scenario(number: u64, kinds: &[Kind]) -> Scenario {
             events.push((if from_start { 0.0 } else { at_s }, act));
         }
     }
-    if mode == Mode::Manual {
+    if mode == StartMode::Manual {
         // As a person does: several set-points, also soon after one another.
         for _ in 0..r.count(1, 8) {
             let at_s = r.within(1.5, stop_s);
             events.extend(mishap(Kind::ByHand, &scenario, r).map(|act| (at_s, act)));
         }
     }
-    events.extend([(0.1, Act::Start { mode }), (stop_s, Act::Stop {})]);
+    events.extend([
+        (0.1, ScenarioAct::Start { mode }),
+        (stop_s, ScenarioAct::Stop {}),
+    ]);
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
     scenario.events = events
         .into_iter()

@@ -1,7 +1,7 @@
 //! Random numbers, and sensors that lie at random.
 
-use emulator::scenario::{Act, Fault, SensorFault, Which};
-use emulator::sensors::End;
+use emulator::scenario::{ScenarioAct, SensorDefect, SensorFault, Which};
+use emulator::sensors::BadContactEnd;
 
 use super::draw::Kind;
 
@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// A sensor fault of this kind; `strong_n` is the force of a strong 1/1.
-pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
+pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> ScenarioAct {
     let one = r.one(&[Which::Force, Which::Hammer, Which::Cart]);
     // Half of them stay.
     let stays = r.below(2) == 0;
@@ -45,13 +45,13 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
         for_s,
         ..SensorFault::new(one, fault)
     };
-    Act::SensorFault(match kind {
+    ScenarioAct::SensorFault(match kind {
         Kind::Short => {
             let how = r.one(&[
-                Fault::Open,
-                Fault::Saturated,
-                Fault::SaturatedLow,
-                Fault::Frozen,
+                SensorDefect::Open,
+                SensorDefect::Saturated,
+                SensorDefect::SaturatedLow,
+                SensorDefect::Frozen,
             ]);
             SensorFault {
                 for_s: Some(r.within(1e-4, 2.0)),
@@ -60,14 +60,14 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
         }
         Kind::Gain => SensorFault {
             times: Some(r.within(0.3, 1.8)),
-            ..lie(Fault::Gain)
+            ..lie(SensorDefect::Gain)
         },
         Kind::Common | Kind::Supply => {
             let sensor = r.one(&[Which::Displacements, Which::All]);
             let how = if kind == Kind::Common {
-                Fault::Gain
+                SensorDefect::Gain
             } else {
-                Fault::Supply
+                SensorDefect::Supply
             };
             SensorFault {
                 sensor,
@@ -77,15 +77,15 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
         }
         Kind::GainDrift => SensorFault {
             percent_per_s: Some(r.within(-12.0, 12.0)),
-            ..lie(Fault::GainDrift)
+            ..lie(SensorDefect::GainDrift)
         },
-        Kind::Reversed => lie(Fault::Reversed),
+        Kind::Reversed => lie(SensorDefect::Reversed),
         Kind::Offset => {
             let (um, newtons) = (r.within(-1500.0, 1500.0), strong_n * r.within(-0.5, 0.5));
             SensorFault {
                 offset_um: length.then_some(um),
                 offset_n: force.then_some(newtons),
-                ..lie(Fault::Offset)
+                ..lie(SensorDefect::Offset)
             }
         }
         Kind::OffsetDrift => {
@@ -93,7 +93,7 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
             SensorFault {
                 drift_um_per_s: length.then_some(um),
                 drift_n_per_s: force.then_some(newtons),
-                ..lie(Fault::OffsetDrift)
+                ..lie(SensorDefect::OffsetDrift)
             }
         }
         Kind::Dead => {
@@ -101,12 +101,12 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
             SensorFault {
                 noise_um: length.then_some(um),
                 noise_n: force.then_some(newtons),
-                ..lie(Fault::Dead)
+                ..lie(SensorDefect::Dead)
             }
         }
         Kind::Delayed => SensorFault {
             delay_ms: Some(r.within(0.1, 120.0)),
-            ..lie(Fault::Delayed)
+            ..lie(SensorDefect::Delayed)
         },
         _ => {
             let of = r.count(2, 400);
@@ -114,8 +114,8 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
             SensorFault {
                 ticks: Some(ticks),
                 of: Some(of),
-                at: Some(r.one(&[End::Open, End::High, End::Low])),
-                ..lie(Fault::Intermittent)
+                at: Some(r.one(&[BadContactEnd::Open, BadContactEnd::High, BadContactEnd::Low])),
+                ..lie(SensorDefect::Intermittent)
             }
         }
     })

@@ -15,11 +15,11 @@ mod watch;
 use std::env;
 
 use emulator::local::Local;
-use emulator::log::{Header, Logs, Reader};
+use emulator::log::{Header, LogReader, Logs};
 use emulator::run::run;
 use emulator::scenario::Scenario;
 use emulator::under_test::FixedFrequency;
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use host_sim::replay::replay;
 use rayon::prelude::*;
 use shared::control::{BootInfo, State};
@@ -83,8 +83,8 @@ fn outcome(scenario: &Scenario, logged: bool) -> Outcome {
         let mut logs = Logs::create(dir.path(), "run", &header(scenario)).unwrap();
         let summary = run(scenario, &mut control, &mut (&mut watch, &mut logs)).unwrap();
         let paths = logs.finish().unwrap();
-        let mut log = Reader::open(&paths[0]).unwrap();
-        let replayed = replay(&mut log, &Progress::new("", 0, true)).unwrap();
+        let mut log = LogReader::open(&paths[0]).unwrap();
+        let replayed = replay(&mut log, &ProgressLine::new("", 0, true)).unwrap();
         if let Some(difference) = replayed.difference {
             watch.wrong = Some(format!("the replay differs: {difference:?}"));
         }
@@ -211,19 +211,19 @@ fn a_controller_that_watches_nothing_is_found_out() {
 /// Commands before and after resets within one block of 32 ticks, in every order of four.
 #[test]
 fn a_log_replays_whatever_the_order_of_inputs_within_a_block() {
-    use emulator::scenario::{Act, Mode, Timed, parse};
+    use emulator::scenario::{ScenarioAct, StartMode, Timed, parse};
     use emulator::under_test::Reset;
 
     let text = "duration_s = 3.0\nblock_ticks = 32\n[true_rig]\npreset = \"wires\"\n[sensors]\nnoise_percent = 1.0\n";
     let acts = [
-        Act::ClearFault {},
-        Act::Reset {
+        ScenarioAct::ClearFault {},
+        ScenarioAct::Reset {
             cause: Reset::Watchdog,
         },
-        Act::Start {
-            mode: Mode::Automatic,
+        ScenarioAct::Start {
+            mode: StartMode::Automatic,
         },
-        Act::Reset {
+        ScenarioAct::Reset {
             cause: Reset::BrownOut,
         },
     ];
@@ -231,11 +231,13 @@ fn a_log_replays_whatever_the_order_of_inputs_within_a_block() {
     let mut tried = 0;
     loop {
         let mut scenario = parse("orders", text, "orders").unwrap();
-        let at = |at_s: f64, act: Act| Timed { at_s, act };
-        let start = Act::Start { mode: Mode::Manual };
+        let at = |at_s: f64, act: ScenarioAct| Timed { at_s, act };
+        let start = ScenarioAct::Start {
+            mode: StartMode::Manual,
+        };
         let mut events = vec![at(0.1, start.clone())];
         // A fault stands when the block comes.
-        events.push(at(1.2, Act::EmergencyStop { for_s: Some(0.1) }));
+        events.push(at(1.2, ScenarioAct::EmergencyStop { for_s: Some(0.1) }));
         let orders = order.iter().enumerate();
         events.extend(orders.map(|(k, i)| at(2.0 + 5e-5 * k as f64, acts[*i].clone())));
         events.push(at(2.2, start));

@@ -1,6 +1,6 @@
 //! Watches what must never happen, by the plant's truth.
 
-use emulator::record::{BlockRow, Observer, TickRow};
+use emulator::record::{BlockRow, RunObserver, TickRow};
 use emulator::scenario::Scenario;
 use shared::control::State;
 use shared::io::{AdcCode, Channel, Frame, Output, Reading};
@@ -170,7 +170,7 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl RunObserver for Watch {
     fn tick(&mut self, row: &TickRow) {
         self.shown(row);
         self.true_levels(row);

@@ -3,14 +3,14 @@
 use super::*;
 use crate::control::phase::Seeking;
 use crate::control::search::Search;
-use crate::control::test_rig::{Rig, target};
+use crate::control::test_rig::{TestRig, target};
 use crate::control::{Mode, ResetCause};
 use crate::io::AdcCode;
 use crate::model::params::WIRES;
 
 #[test]
 fn the_forecast_that_was_asked_for_last_is_reported_and_no_other() {
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     let id = rig.controller.forecast_request().unwrap().id;
     rig.events();
     let answer = |id| Forecast {
@@ -36,7 +36,7 @@ fn a_new_forecast_counts_at_once_wherever_there_is_a_search() {
         Phase::Seek(Seeking::new(search)),
         Phase::Hold(Seeking::new(search)),
     ] {
-        let mut rig = Rig::with(|_| {});
+        let mut rig = TestRig::with(|_| {});
         rig.forecast(Some(target(3.6)));
         rig.starts(Mode::Automatic, State::Ramp);
         assert_eq!(rig.controller.status().frequency_hz, 3.6);
@@ -56,7 +56,7 @@ fn a_new_forecast_counts_at_once_wherever_there_is_a_search() {
 #[test]
 fn before_a_forecast_the_frequency_is_the_natural_one_within_the_limits() {
     let start_hz = |low_hz, high_hz| {
-        let rig = Rig::with(|settings| {
+        let rig = TestRig::with(|settings| {
             settings.limits.min_frequency_hz = low_hz;
             settings.limits.max_frequency_hz = high_hz;
         });
@@ -70,7 +70,7 @@ fn before_a_forecast_the_frequency_is_the_natural_one_within_the_limits() {
 
 #[test]
 fn it_tells_its_fault_where_its_settings_come_from_and_what_must_be_acknowledged() {
-    let mut rig = Rig::with(|settings| settings.operator.acknowledge = true);
+    let mut rig = TestRig::with(|settings| settings.operator.acknowledge = true);
     assert_eq!(rig.controller.fault(), None);
     assert!(!rig.controller.awaits_acknowledgement());
     rig.chain_open = true;
@@ -111,7 +111,7 @@ fn it_tells_its_fault_where_its_settings_come_from_and_what_must_be_acknowledged
 #[test]
 fn a_signal_that_stands_while_the_cart_moves_is_found_above_half_the_amplitude() {
     for (share, expected) in [(0.4, None), (0.6, Some(Fault::SensorFrozen))] {
-        let mut rig = Rig::with(|_| {});
+        let mut rig = TestRig::with(|_| {});
         rig.starts(Mode::Manual, State::Manual);
         let amplitude_m = share * WIRES.amplitude_m as f32;
         let set_point = Command::SetPoint {

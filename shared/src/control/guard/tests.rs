@@ -7,7 +7,7 @@ fn at(cycle: u32, phase: u32) -> Stamp {
 
 /// Ticks until the guard trips on `frame`, if it does within 10,000.
 fn trips_after(frame: Frame) -> Option<(usize, Fault, Origin)> {
-    let mut guard = Guard::new(&Settings::for_rig(&WIRES));
+    let mut guard = SampleGuard::new(&Settings::for_rig(&WIRES));
     (1..10_000).find_map(|tick| {
         let (_, trip) = guard.check(&frame, at(0, 0), true, true);
         trip.map(|trip| (tick, trip.fault, trip.origin))
@@ -166,7 +166,7 @@ fn levels_come_nearer_by_what_is_doubted_and_by_a_zero_on_the_far_side() {
     ] {
         for (k, level) in levels.into_iter().enumerate() {
             for (share, trips_there) in [(1.01, true), (0.99, false)] {
-                let mut guard = Guard::new(&settings);
+                let mut guard = SampleGuard::new(&settings);
                 guard.set_levels(&trips, &doubt, 1.0, rest);
                 let code = |channel: &Channel| {
                     AdcCode((channel.zero_code + share * level / channel.unit_per_code) as u16)
@@ -186,7 +186,7 @@ fn levels_come_nearer_by_what_is_doubted_and_by_a_zero_on_the_far_side() {
 
 #[test]
 fn a_code_that_stands_still_for_a_whole_period_is_frozen() {
-    let mut guard = Guard::new(&Settings::for_rig(&WIRES));
+    let mut guard = SampleGuard::new(&Settings::for_rig(&WIRES));
     guard.set_force_is_live(true);
     let mut frame = quiet();
     // Before the start nothing had to move.
@@ -213,7 +213,7 @@ fn spoilt(
     spoil: impl Fn(&mut Frame),
     bad: impl Fn(usize) -> bool,
 ) -> Option<(usize, Fault, Origin)> {
-    let mut guard = Guard::new(&Settings::for_rig(&WIRES));
+    let mut guard = SampleGuard::new(&Settings::for_rig(&WIRES));
     (0..300_000).find_map(|tick| {
         let mut frame = quiet();
         if bad(tick) {
@@ -276,7 +276,7 @@ fn a_blow_of_eleven_ticks_at_the_lower_rail_in_each_period_trips_nothing() {
 
 #[test]
 fn a_count_is_quiet_again_some_ticks_after_its_condition_has_gone() {
-    let mut guard = Guard::new(&Settings::for_rig(&WIRES));
+    let mut guard = SampleGuard::new(&Settings::for_rig(&WIRES));
     let mut frame = quiet();
     frame.cart = AdcCode(4095);
     for _ in 0..10_000 {

@@ -30,7 +30,7 @@ const LEARNS: f32 = 1.0 / 16.0;
 
 /// How the cart follows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Follow {
+pub(super) struct CartFollowing {
     least_m: f32,
     lateness: Lateness,
     /// Frequency, Hz, at which the response was learnt, the response, and from how many periods.
@@ -42,7 +42,7 @@ pub(super) struct Follow {
     late: u8,
 }
 
-impl Follow {
+impl CartFollowing {
     pub fn new(settings: &Settings) -> Self {
         Self {
             least_m: LEAST_COMMAND * settings.rig.amplitude_m as f32,

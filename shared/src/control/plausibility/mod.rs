@@ -31,7 +31,7 @@ use crate::settings::Settings;
 
 use super::free::FreeSwing;
 use super::guard::Trip;
-use follow::Follow;
+use follow::CartFollowing;
 use momentum::Momentum;
 
 #[cfg(test)]
@@ -96,7 +96,7 @@ pub struct Plausibility {
     bad_ratios: u8,
     still: u8,
     momentum: Momentum,
-    follow: Follow,
+    follow: CartFollowing,
     /// What the drive turns in [`LATE_S`], rad.
     late: f32,
     /// Impulse over momentum, and gain of the hammer's sensor over the cart's, as last known.
@@ -122,7 +122,7 @@ impl Plausibility {
             bad_ratios: 0,
             still: 0,
             momentum: Momentum::new(settings),
-            follow: Follow::new(settings),
+            follow: CartFollowing::new(settings),
             late: 0.0,
             impulse_over_momentum: 1.0,
             hammer_over_cart: 1.0,

@@ -1,10 +1,10 @@
 use super::*;
-use crate::forecast::Orbit;
+use crate::forecast::ForecastOrbit;
 
 /// The wires' forecast at no gap (docs/controller.md).
 const TARGET: Target = Target {
     frequency_hz: 3.664,
-    orbit: Orbit {
+    orbit: ForecastOrbit {
         force_n: 96.0,
         impulse_n_s: 0.0311,
         approach_m_per_s: 0.079,
@@ -73,8 +73,8 @@ impl Rig {
         }
     }
 
-    /// Drive periods until a step other than [`Step::On`], at most `periods`.
-    fn run(&mut self, periods: u32) -> Option<(u32, Step)> {
+    /// Drive periods until a step other than [`SearchStep::On`], at most `periods`.
+    fn run(&mut self, periods: u32) -> Option<(u32, SearchStep)> {
         for period in 1..=periods {
             self.period += 1;
             let goal = self.search.goal_hz();
@@ -83,7 +83,7 @@ impl Rig {
             let goal = self.search.goal_hz();
             let slew = 0.014 * self.frequency_hz;
             self.frequency_hz = goal.clamp(self.frequency_hz - slew, self.frequency_hz + slew);
-            if step != Step::On {
+            if step != SearchStep::On {
                 return Some((period, step));
             }
         }
@@ -93,7 +93,7 @@ impl Rig {
     /// Runs until Hold; the drive periods that took.
     fn hold(&mut self) -> u32 {
         match self.run(400) {
-            Some((period, Step::Best { found: true, .. })) => period,
+            Some((period, SearchStep::Best { found: true, .. })) => period,
             other => panic!("no Hold but {other:?} at {} Hz", self.frequency_hz),
         }
     }
@@ -169,7 +169,7 @@ fn one_missed_contact_in_four_is_no_loss_and_eight_in_a_row_are() {
         assert_eq!(rig.run(1), None);
     }
     rig.alive = false;
-    assert_eq!(rig.run(20), Some((8, Step::Lost)));
+    assert_eq!(rig.run(20), Some((8, SearchStep::Lost)));
     assert_eq!(rig.search.goal_hz(), TARGET.entry_hz);
 }
 
@@ -178,7 +178,7 @@ fn a_loss_leaves_nothing_behind_and_one_soon_after_retreats_for_a_while() {
     let mut rig = Rig::new(3.664);
     let lose = |rig: &mut Rig| {
         rig.alive = false;
-        assert!(matches!(rig.run(20), Some((_, Step::Lost))));
+        assert!(matches!(rig.run(20), Some((_, SearchStep::Lost))));
         rig.alive = true;
         rig.hold();
         rig.run(20);
@@ -213,7 +213,7 @@ fn a_doubling_must_last_and_then_the_phase_retreats() {
         impacts: 2,
         periods: 2,
     };
-    assert!(matches!(rig.run(16), Some((16, Step::Doubling(_)))));
+    assert!(matches!(rig.run(16), Some((16, SearchStep::Doubling(_)))));
     rig.run(8);
     assert!(rig.off() < -0.01, "{}", rig.off());
 }
@@ -228,7 +228,7 @@ fn climbs_bring_a_phase_that_was_forecast_wrong_to_the_best() {
         let before = rig.off();
         for climb in 0..6 {
             let (periods, step) = rig.run(1300).expect("a climb");
-            assert!(matches!(step, Step::Best { found: false, .. }));
+            assert!(matches!(step, SearchStep::Best { found: false, .. }));
             assert!(climb == 0 || periods > 1024, "rare: {periods}");
         }
         rig.run(30);
@@ -258,7 +258,7 @@ fn contacts(search: &mut Search, contacts: u16, arrived: bool) {
         regime: Regime::None,
     };
     let hz = search.goal_hz();
-    assert_eq!(search.strobe(&beat, hz, arrived), Step::On);
+    assert_eq!(search.strobe(&beat, hz, arrived), SearchStep::On);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::control::Command;
-use crate::control::test_rig::{Rig, target};
+use crate::control::test_rig::{TestRig, target};
 use crate::fault::Origin;
 use crate::io::Output;
 use crate::model::params::WIRES;
 
 #[test]
 fn set_points_are_taken_by_hand_only_and_held_within_the_limits() {
-    let mut rig = Rig::with(|settings| settings.limits.max_frequency_hz = 4.0);
+    let mut rig = TestRig::with(|settings| settings.limits.max_frequency_hz = 4.0);
     let at = |frequency_hz, amplitude_m| Command::SetPoint {
         frequency_hz,
         amplitude_m,
@@ -81,7 +81,7 @@ fn set_points_are_taken_by_hand_only_and_held_within_the_limits() {
 
 #[test]
 fn without_a_forecast_a_start_waits_and_without_a_target_it_is_given_up() {
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     rig.controller
         .command(Command::Start(Mode::Automatic))
         .unwrap();
@@ -106,7 +106,7 @@ fn without_a_forecast_a_start_waits_and_without_a_target_it_is_given_up() {
     rig.starts(Mode::Manual, State::Manual);
 
     // One that never comes is not waited for beyond two minutes.
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     rig.controller
         .command(Command::Start(Mode::Automatic))
         .unwrap();
@@ -119,9 +119,9 @@ fn without_a_forecast_a_start_waits_and_without_a_target_it_is_given_up() {
 #[test]
 fn the_motion_is_kept_small_until_the_cart_has_followed_it() {
     let a0_m = WIRES.amplitude_m as f32;
-    let share = |rig: &Rig| rig.controller.status().amplitude_m / a0_m;
+    let share = |rig: &TestRig| rig.controller.status().amplitude_m / a0_m;
     // Up to half of the amplitude, until the cart is known to follow.
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     rig.starts(Mode::Manual, State::Prove);
     rig.block();
     // Far below the natural frequency the cart takes the hammer along.
@@ -141,7 +141,7 @@ fn the_motion_is_kept_small_until_the_cart_has_followed_it() {
     assert!((share(&rig) - 1.0).abs() < 0.03, "{}", share(&rig));
 
     // A cart that does not move is driven no further, and found.
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     rig.cart_gain = 0.0;
     rig.starts(Mode::Manual, State::Prove);
     let mut largest = 0.0_f32;
@@ -159,7 +159,7 @@ fn the_motion_is_kept_small_until_the_cart_has_followed_it() {
 
 #[test]
 fn a_stop_ramps_down_before_the_drive_goes_off_and_does_nothing_where_it_is_off() {
-    let mut rig = Rig::with(|_| {});
+    let mut rig = TestRig::with(|_| {});
     rig.controller.command(Command::Stop).unwrap();
     assert_eq!(rig.controller.state(), State::Idle);
     rig.block();
@@ -206,7 +206,7 @@ fn a_stop_ramps_down_before_the_drive_goes_off_and_does_nothing_where_it_is_off(
 
 #[test]
 fn a_motor_runs_by_hand_only_and_is_stopped_at_once() {
-    let mut rig = Rig::with(|settings| settings.drive.kind = DriveKind::Motor);
+    let mut rig = TestRig::with(|settings| settings.drive.kind = DriveKind::Motor);
     let automatic = rig.controller.command(Command::Start(Mode::Automatic));
     assert_eq!(automatic, Err(Refused::ByHandOnly));
     rig.starts(Mode::Manual, State::Manual);
@@ -221,7 +221,7 @@ fn a_motor_runs_by_hand_only_and_is_stopped_at_once() {
 
 #[test]
 fn a_search_without_one_one_is_given_up_after_its_time() {
-    let mut rig = Rig::with(|settings| settings.trips.regime_lost_s = 4.0);
+    let mut rig = TestRig::with(|settings| settings.trips.regime_lost_s = 4.0);
     rig.forecast(Some(target(3.6)));
     rig.starts(Mode::Automatic, State::Seek);
     rig.pass(3.98);
@@ -235,7 +235,7 @@ fn a_search_without_one_one_is_given_up_after_its_time() {
 fn a_contact_is_missed_only_where_the_forecast_has_a_strong_one_and_never_on_the_way_down() {
     // A contact is sure to be seen from 28 N on.
     let missed = |strikes_n: f32, stop_after_s: f32| {
-        let mut rig = Rig::with(|settings| settings.trips.no_contact_s = 3.00025);
+        let mut rig = TestRig::with(|settings| settings.trips.no_contact_s = 3.00025);
         rig.forecast_of(Some(target(3.6)), strikes_n);
         rig.starts(Mode::Automatic, State::Seek);
         // It has been counted since two fifths of the amplitude were reached, 0.6 s ago.

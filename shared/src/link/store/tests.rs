@@ -129,13 +129,13 @@ fn settings(mark: u16) -> Settings {
 }
 
 /// What is there at a new start, with power that stays.
-fn load<const W: usize>(flash: &mut Store<Flash<W>>) -> Loaded {
+fn load<const W: usize>(flash: &mut SlotStore<Flash<W>>) -> Loaded {
     flash.flash.left = None;
     flash.load().unwrap()
 }
 
 /// The settings found, if any; anything but whole settings or none at all fails.
-fn found<const W: usize>(store: &mut Store<Flash<W>>) -> Option<Settings> {
+fn found<const W: usize>(store: &mut SlotStore<Flash<W>>) -> Option<Settings> {
     match load(store) {
         Loaded::Settings(settings) => Some(settings),
         Loaded::Default => None,
@@ -145,7 +145,7 @@ fn found<const W: usize>(store: &mut Store<Flash<W>>) -> Option<Settings> {
 
 #[test]
 fn what_is_saved_is_loaded_and_slots_take_turns() {
-    let mut store = Store::new(Flash::<4>::new(), SLOTS);
+    let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
     assert_eq!(load(&mut store), Loaded::Default);
     for mark in 0..5 {
         assert_eq!(store.save(&settings(mark)), Ok(Saved::Written));
@@ -166,7 +166,7 @@ fn what_is_saved_is_loaded_and_slots_take_turns() {
 /// Several saves; at each step of each, power goes. Twice in a row, too: what the first cut leaves is what
 /// the second attempt starts from.
 fn power_goes_everywhere<const W: usize>(seed: u32) {
-    let mut store = Store::new(Flash::<W>::new(), SLOTS);
+    let mut store = SlotStore::new(Flash::<W>::new(), SLOTS);
     store.flash.random = seed;
     let mut old = None;
     for mark in 0..4 {
@@ -204,7 +204,7 @@ fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
 
 #[test]
 fn the_sequence_number_wraps() {
-    let mut store = Store::new(Flash::<4>::new(), SLOTS);
+    let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
     let (image, _) = image_of(&settings(1), u32::MAX).unwrap();
     store.flash.bytes[..IMAGE_BYTES].copy_from_slice(&image);
     for mark in 2..6 {
@@ -215,9 +215,9 @@ fn the_sequence_number_wraps() {
 
 #[test]
 fn damage_leaves_an_older_copy_or_is_corrupt() {
-    let mut once = Store::new(Flash::<4>::new(), SLOTS);
+    let mut once = SlotStore::new(Flash::<4>::new(), SLOTS);
     once.save(&settings(1)).unwrap();
-    let mut twice = Store::new(Flash::<4>::new(), SLOTS);
+    let mut twice = SlotStore::new(Flash::<4>::new(), SLOTS);
     twice.save(&settings(1)).unwrap();
     twice.save(&settings(2)).unwrap();
     let length = image_of(&settings(1), 1).unwrap().1 - PAYLOAD_AT;
@@ -246,8 +246,8 @@ fn damage_leaves_an_older_copy_or_is_corrupt() {
 }
 
 /// A store whose newest settings (2) are damaged in `byte` of their slot, beside those before them (1).
-fn damaged(byte: usize) -> Store<Flash<4>> {
-    let mut store = Store::new(Flash::<4>::new(), SLOTS);
+fn damaged(byte: usize) -> SlotStore<Flash<4>> {
+    let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
     store.save(&settings(1)).unwrap();
     store.save(&settings(2)).unwrap();
     store.flash.bytes[SLOT + byte] ^= 1;
@@ -315,7 +315,7 @@ fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones
     // The payload of one layout does not pass for that of another.
     let others = [0, 1, 2, LAYOUT + 1].map(of_layout);
     for image in others.into_iter().chain([out_of_range]) {
-        let mut store = Store::new(Flash::<4>::new(), SLOTS);
+        let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
         store.save(&settings(1)).unwrap();
         store.flash.bytes[SLOT..SLOT + IMAGE_BYTES].copy_from_slice(&image);
         assert_eq!(load(&mut store), Loaded::Corrupt);
@@ -328,7 +328,7 @@ fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones
 
 #[test]
 fn a_flash_full_of_something_else_is_corrupt_and_one_odd_sector_is_not() {
-    let mut store = Store::new(Flash::<4>::new(), SLOTS);
+    let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
     store.flash.bytes[..SLOT].fill(0x3c);
     assert_eq!(load(&mut store), Loaded::Default);
     store.flash.bytes[SLOT..].fill(0);
@@ -338,10 +338,10 @@ fn a_flash_full_of_something_else_is_corrupt_and_one_odd_sector_is_not() {
 #[test]
 fn a_slot_too_small_or_a_flash_too_coarse_is_refused_untouched() {
     let small = [0..256, 1024..1280];
-    let mut store = Store::new(Flash::<4>::new(), small);
+    let mut store = SlotStore::new(Flash::<4>::new(), small);
     store.flash.bytes[0] = 7;
     assert_eq!(store.save(&settings(1)), Err(SaveError::NotSuited));
-    let mut store = Store::new(Flash::<64>::new(), SLOTS);
+    let mut store = SlotStore::new(Flash::<64>::new(), SLOTS);
     store.flash.bytes[0] = 7;
     assert_eq!(store.save(&settings(1)), Err(SaveError::NotSuited));
     assert_eq!((store.flash.steps, store.flash.bytes[0]), (0, 7));
@@ -376,7 +376,7 @@ fn flash_that_does_not_hold_what_was_written_is_noticed() {
             Ok(())
         }
     }
-    let mut store = Store::new(Stuck(Flash::new()), SLOTS);
+    let mut store = SlotStore::new(Stuck(Flash::new()), SLOTS);
     let mut refused = 0;
     let mut stored = None;
     for mark in 1..=8 {

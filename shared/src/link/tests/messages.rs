@@ -7,12 +7,12 @@ use crate::model::cart::{ASSUMED_SHAKER, CartDrive};
 fn the_first_answer_keeps_its_bytes_for_ever() {
     // What a board of any version sends first: sequence 7, kind 0 (an answer), to request 5, answer 0 (hello),
     // and the version before all else. A computer of any version can read that far.
-    let name = |text| Name::try_from(text).unwrap();
+    let name = |text| LinkName::try_from(text).unwrap();
     let packet = |protocol| Packet {
         sequence: 7,
         message: FromBoard::Answer {
             request: 5,
-            answer: Answer::Hello(Hello {
+            answer: LinkAnswer::Hello(Hello {
                 protocol,
                 firmware: name("a"),
                 board: name("b"),
@@ -30,31 +30,31 @@ fn the_first_answer_keeps_its_bytes_for_ever() {
     }
 }
 
-fn longest_answers() -> Vec<Answer> {
-    let name = || Name::try_from("01234567890123456789012").unwrap();
+fn longest_answers() -> Vec<LinkAnswer> {
+    let name = || LinkName::try_from("01234567890123456789012").unwrap();
     let mut answers = std::vec![
-        Answer::Hello(Hello {
+        LinkAnswer::Hello(Hello {
             protocol: u16::MAX,
             firmware: name(),
             board: name(),
             tick_rate_hz: LONG,
             block_ticks: u8::MAX,
         }),
-        Answer::Refused(Refusal::Controller(Refused::SettingsUnknown(
+        LinkAnswer::Refused(Refusal::Controller(Refused::SettingsUnknown(
             SettingsState::Model
         ))),
-        Answer::Session(LONG),
-        Answer::Board(BoardState {
+        LinkAnswer::Session(LONG),
+        LinkAnswer::Board(BoardState {
             boot: LONG,
             granted: LONG,
             held: true,
             settings: SettingsState::Model,
             awaits_acknowledgement: true,
         }),
-        Answer::Status(longest_status()),
-        Answer::Forecast(ForecastPage::of(Some(&forecast(40)), 5)),
-        Answer::FaultRecord(Some(longest_record())),
-        Answer::Identified(Identified {
+        LinkAnswer::Status(longest_status()),
+        LinkAnswer::Forecast(ForecastPage::of(Some(&forecast(40)), 5)),
+        LinkAnswer::FaultRecord(Some(longest_record())),
+        LinkAnswer::Identified(Identified {
             stiffness_n_per_m: Some(1.0),
             damping_n_s_per_m: Some(1.0),
             natural_frequency_hz: Some(1.0),
@@ -77,7 +77,7 @@ fn longest_answers() -> Vec<Answer> {
             {
                 *cubic_stiffness_n_per_m3 = Some(1.0);
             }
-            answers.push(Answer::Settings(Settings::for_rig(&rig)));
+            answers.push(LinkAnswer::Settings(Settings::for_rig(&rig)));
         }
     }
     answers
@@ -108,11 +108,11 @@ fn every_message_fits_at_its_longest_and_comes_back() {
             answer: answer.clone(),
         };
         longest = longest.max(round_trip(message));
-        if let Answer::Settings(settings) = answer {
+        if let LinkAnswer::Settings(settings) = answer {
             round_trip(ToBoard::Steer {
                 session: LONG,
                 number: LONG,
-                act: Act::SetSettings(settings),
+                act: LinkAct::SetSettings(settings),
             });
         }
     }

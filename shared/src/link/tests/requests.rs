@@ -5,13 +5,13 @@ use super::*;
 #[test]
 fn requests_are_carried_out_and_answered() {
     let mut pair = Pair::new();
-    assert!(matches!(pair.ask(ToBoard::Hello), Answer::Hello(h) if h.board == "stub"));
-    assert_eq!(pair.ask(ToBoard::GetStatus), Answer::Status(idle(0)));
-    let record = Answer::FaultRecord(Some(longest_record()));
+    assert!(matches!(pair.ask(ToBoard::Hello), LinkAnswer::Hello(h) if h.board == "stub"));
+    assert_eq!(pair.ask(ToBoard::GetStatus), LinkAnswer::Status(idle(0)));
+    let record = LinkAnswer::FaultRecord(Some(longest_record()));
     assert_eq!(pair.ask(ToBoard::GetFaultRecord), record);
     let mut rows = 0;
     for page in 0.. {
-        let Answer::Forecast(part) = pair.ask(ToBoard::GetForecast { page }) else {
+        let LinkAnswer::Forecast(part) = pair.ask(ToBoard::GetForecast { page }) else {
             panic!("a page was asked for");
         };
         assert_eq!(part.rows_in_all, 40);
@@ -24,8 +24,8 @@ fn requests_are_carried_out_and_answered() {
     assert_eq!(rows, 40);
     let mut program = pair.open(false).unwrap();
     let start = Command::Start(Mode::Automatic);
-    assert_eq!(pair.command(&mut program, start), Answer::Done);
-    let refused = Answer::Refused(Refusal::Controller(Refused::WrongState));
+    assert_eq!(pair.command(&mut program, start), LinkAnswer::Done);
+    let refused = LinkAnswer::Refused(Refusal::Controller(Refused::WrongState));
     assert_eq!(pair.command(&mut program, start), refused);
 }
 
@@ -33,18 +33,18 @@ fn requests_are_carried_out_and_answered() {
 fn settings_are_taken_whole_and_only_if_they_are_good() {
     let mut pair = Pair::new();
     let mut program = pair.open(false).unwrap();
-    let mut set = |pair: &mut Pair, new| pair.steer(&mut program, Act::SetSettings(new));
+    let mut set = |pair: &mut Pair, new| pair.steer(&mut program, LinkAct::SetSettings(new));
     let old = pair.device.settings;
     let mut new = old;
     new.trips.force_n = f32::NAN;
-    let bad = Answer::Refused(Refusal::Controller(Refused::BadSettings));
+    let bad = LinkAnswer::Refused(Refusal::Controller(Refused::BadSettings));
     assert_eq!(set(&mut pair, new), bad);
     assert_eq!((pair.device.settings, pair.device.stored), (old, None));
     new.trips.force_n = 1.1 * old.trips.force_n;
-    assert_eq!(set(&mut pair, new), Answer::Done);
+    assert_eq!(set(&mut pair, new), LinkAnswer::Done);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
     pair.device.status.state = State::Hold;
-    let wrong = Answer::Refused(Refusal::Controller(Refused::WrongState));
+    let wrong = LinkAnswer::Refused(Refusal::Controller(Refused::WrongState));
     assert_eq!(set(&mut pair, old), wrong);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
 }
@@ -54,7 +54,7 @@ fn telemetry_comes_at_its_decimation_also_where_ticks_wrap() {
     let mut pair = Pair::new();
     pair.device.status.tick = u32::MAX - 120;
     let stream = ToBoard::StreamTelemetry { decimation: 100 };
-    assert_eq!(pair.ask(stream), Answer::Done);
+    assert_eq!(pair.ask(stream), LinkAnswer::Done);
     let mut seen = Vec::new();
     for _ in 0..40 {
         pair.session.poll(&mut pair.device);
@@ -76,7 +76,10 @@ fn telemetry_comes_at_its_decimation_also_where_ticks_wrap() {
 #[test]
 fn a_full_queue_drops_recordings_whole_counts_them_and_still_answers() {
     let mut pair = Pair::new();
-    assert_eq!(pair.ask(ToBoard::StreamFrames { on: true }), Answer::Done);
+    assert_eq!(
+        pair.ask(ToBoard::StreamFrames { on: true }),
+        LinkAnswer::Done
+    );
     assert!(pair.device.recorded);
     for _ in 0..100 {
         pair.session.poll(&mut pair.device);

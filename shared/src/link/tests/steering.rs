@@ -6,8 +6,8 @@ use super::*;
 use crate::control::Command::{Acknowledge, Alive, ClearFault, SetPoint, Start, Stop};
 use crate::settings::TICK_RATE_HZ;
 
-const OLD: Answer = Answer::Refused(Refusal::Old);
-const NO_SESSION: Answer = Answer::Refused(Refusal::NoSession);
+const OLD: LinkAnswer = LinkAnswer::Refused(Refusal::Old);
+const NO_SESSION: LinkAnswer = LinkAnswer::Refused(Refusal::NoSession);
 /// A session is over after it, ticks: the settings' link timeout is as long.
 const PATIENCE: u32 = (SESSION_S as u32) * TICK_RATE_HZ;
 
@@ -17,9 +17,9 @@ fn only_acts_of_the_session_are_signs_of_life() {
     let mut program = pair.open(false).unwrap();
     assert_eq!(
         pair.command(&mut program, Start(Mode::Manual)),
-        Answer::Done
+        LinkAnswer::Done
     );
-    assert_eq!(pair.command(&mut program, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut program, Alive), LinkAnswer::Done);
     // Another program looks, again and again, in every way it can.
     pair.ask(ToBoard::Hello);
     for request in watching() {
@@ -57,7 +57,7 @@ fn without_a_session_nothing_is_obeyed_but_a_stop() {
     let mut pair = Pair::new();
     for command in commands() {
         let expected = match command {
-            Stop => Answer::Done,
+            Stop => LinkAnswer::Done,
             _ => NO_SESSION,
         };
         assert_eq!(pair.ask(ToBoard::Command(command)), expected, "{command:?}");
@@ -102,17 +102,17 @@ fn a_second_program_is_refused_while_the_first_lives_and_may_take_over() {
     pair.command(&mut first, Start(Mode::Manual));
     assert_eq!(pair.open(false).unwrap_err(), Refusal::SomebodySteers);
     // It may stop all the same.
-    assert_eq!(pair.ask(ToBoard::Command(Stop)), Answer::Done);
-    assert_eq!(pair.command(&mut first, Alive), Answer::Done);
+    assert_eq!(pair.ask(ToBoard::Command(Stop)), LinkAnswer::Done);
+    assert_eq!(pair.command(&mut first, Alive), LinkAnswer::Done);
     let mut second = pair.open(true).unwrap();
     assert_eq!(pair.command(&mut first, Alive), NO_SESSION);
-    assert_eq!(pair.command(&mut second, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut second, Alive), LinkAnswer::Done);
     assert_eq!(
         pair.device.told,
         [Start(Mode::Manual), Alive, Stop, Alive, Alive]
     );
     // Whoever has released it, or has been silent for too long, is in nobody's way.
-    assert_eq!(pair.steer(&mut second, Act::Release), Answer::Done);
+    assert_eq!(pair.steer(&mut second, LinkAct::Release), LinkAnswer::Done);
     assert_eq!(pair.command(&mut second, Alive), NO_SESSION);
     let mut third = pair.open(false).unwrap();
     pair.device.status.tick += PATIENCE;
@@ -120,7 +120,7 @@ fn a_second_program_is_refused_while_the_first_lives_and_may_take_over() {
     pair.device.status.tick += 1;
     let mut fourth = pair.open(false).unwrap();
     assert_eq!(pair.command(&mut third, Alive), NO_SESSION);
-    assert_eq!(pair.command(&mut fourth, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut fourth, Alive), LinkAnswer::Done);
 }
 
 #[test]
@@ -132,14 +132,14 @@ fn what_was_sent_once_does_nothing_when_it_is_sent_again() {
         take_over: true,
     };
     let opening = open(&pair, 0);
-    let Answer::Session(session) = pair.ask(opening) else {
+    let LinkAnswer::Session(session) = pair.ask(opening) else {
         panic!("it is granted");
     };
     let mut program = Program { session, number: 0 };
     let mut sent = Vec::new();
     for command in [Start(Mode::Manual), Alive, ClearFault, Alive] {
-        let request = program.request(Act::Command(command));
-        assert_eq!(pair.ask(request), Answer::Done);
+        let request = program.request(LinkAct::Command(command));
+        assert_eq!(pair.ask(request), LinkAnswer::Done);
         sent.push(request);
     }
     pair.device.told.clear();
@@ -148,13 +148,13 @@ fn what_was_sent_once_does_nothing_when_it_is_sent_again() {
     }
     assert_eq!(pair.ask(opening), OLD);
     // Nor after the session, nor after the board has started anew.
-    pair.steer(&mut program, Act::Release);
+    pair.steer(&mut program, LinkAct::Release);
     assert_eq!(pair.ask(opening), OLD);
     pair.session = Session::new();
     pair.device.boot.number = 78;
     assert_eq!(pair.ask(opening), OLD);
     let next = open(&pair, 0);
-    let Answer::Session(other) = pair.ask(next) else {
+    let LinkAnswer::Session(other) = pair.ask(next) else {
         panic!("it is granted");
     };
     assert_ne!(other, session);
@@ -169,11 +169,11 @@ fn a_session_ends_with_the_boot_and_its_last_number_is_the_last() {
     let mut pair = Pair::new();
     let mut program = pair.open(false).unwrap();
     program.number = u32::MAX - 1;
-    assert_eq!(pair.command(&mut program, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut program, Alive), LinkAnswer::Done);
     program.number = 0;
     assert_eq!(pair.command(&mut program, Alive), OLD);
     let mut program = pair.open(true).unwrap();
-    assert_eq!(pair.command(&mut program, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut program, Alive), LinkAnswer::Done);
     // The emulator makes its controller anew behind the same end of the link.
     pair.device.boot.number = 78;
     assert_eq!(pair.command(&mut program, Alive), NO_SESSION);
@@ -186,12 +186,12 @@ fn the_session_outlives_a_link_timeout_that_is_longer() {
     pair.device.settings.trips.link_timeout_s = 10.0;
     let mut program = pair.open(false).unwrap();
     pair.device.status.tick += 10 * TICK_RATE_HZ;
-    assert_eq!(pair.command(&mut program, Alive), Answer::Done);
+    assert_eq!(pair.command(&mut program, Alive), LinkAnswer::Done);
     pair.device.settings.trips.link_timeout_s = 0.0;
     let settings = pair.device.settings;
     assert_eq!(
-        pair.steer(&mut program, Act::SetSettings(settings)),
-        Answer::Done
+        pair.steer(&mut program, LinkAct::SetSettings(settings)),
+        LinkAnswer::Done
     );
     pair.device.status.tick += PATIENCE + 1;
     assert_eq!(pair.command(&mut program, Alive), NO_SESSION);
@@ -201,11 +201,11 @@ fn the_session_outlives_a_link_timeout_that_is_longer() {
 fn what_is_done_at_the_board_is_refused_over_the_link_and_a_confirmation_is_stored() {
     let mut pair = Pair::new();
     let mut program = pair.open(false).unwrap();
-    let at_the_board = Answer::Refused(Refusal::AtTheBoard);
+    let at_the_board = LinkAnswer::Refused(Refusal::AtTheBoard);
     assert_eq!(pair.command(&mut program, Acknowledge), at_the_board);
     assert!(pair.device.told.is_empty());
     let confirm = Command::ConfirmSettings;
-    assert_eq!(pair.command(&mut program, confirm), Answer::Done);
+    assert_eq!(pair.command(&mut program, confirm), LinkAnswer::Done);
     assert_eq!(pair.device.stored, Some(pair.device.settings));
     pair.device.boot.settings = SettingsState::OlderCopy;
     pair.device.boot.awaits_acknowledgement = true;
@@ -216,14 +216,14 @@ fn what_is_done_at_the_board_is_refused_over_the_link_and_a_confirmation_is_stor
         settings: SettingsState::OlderCopy,
         awaits_acknowledgement: true,
     };
-    assert_eq!(pair.ask(ToBoard::GetBoard), Answer::Board(expected));
+    assert_eq!(pair.ask(ToBoard::GetBoard), LinkAnswer::Board(expected));
 }
 
 /// What happens on a wire with two programs on it, and a third that sends again what it has heard.
 #[derive(Clone, Copy, Debug)]
 enum Happens {
     Opens { program: usize, take_over: bool },
-    Steers { program: usize, act: Act },
+    Steers { program: usize, act: LinkAct },
     Looks(ToBoard),
     Again(usize),
     Stops,
@@ -235,10 +235,10 @@ enum Happens {
 fn happens() -> impl Strategy<Value = Happens> {
     let command = proptest::sample::select(commands().to_vec());
     let act = prop_oneof![
-        8 => command.prop_map(Act::Command),
-        1 => Just(Act::Release),
-        1 => Just(Act::SetSettings(Settings::for_rig(&WIRES))),
-        1 => Just(Act::SetBrownOut),
+        8 => command.prop_map(LinkAct::Command),
+        1 => Just(LinkAct::Release),
+        1 => Just(LinkAct::SetSettings(Settings::for_rig(&WIRES))),
+        1 => Just(LinkAct::SetBrownOut),
     ];
     // Not a recording: the stub's time goes on with every block taken.
     let mut looks = watching().to_vec();
@@ -303,11 +303,11 @@ proptest! {
                     if rules.holder == Some(program) {
                         rules.silent = 0;
                         match act {
-                            Act::Command(Acknowledge) | Act::SetSettings(_) | Act::SetBrownOut => {}
-                            Act::Command(command) => expected.push(command),
-                            Act::Release => rules.holder = None,
+                            LinkAct::Command(Acknowledge) | LinkAct::SetSettings(_) | LinkAct::SetBrownOut => {}
+                            LinkAct::Command(command) => expected.push(command),
+                            LinkAct::Release => rules.holder = None,
                         }
-                        if let Act::Command(Start(Mode::Manual) | SetPoint { .. }) = act {
+                        if let LinkAct::Command(Start(Mode::Manual) | SetPoint { .. }) = act {
                             expected.push(Alive);
                         }
                         prop_assert!(!matches!(answer, NO_SESSION | OLD), "{:?}", answer);

@@ -1,6 +1,6 @@
 //! The band as the chapter uses it.
 
-use super::{Span, State, Stepper, record_at_end, runge_kutta};
+use super::{HammerState, Span, Stepper, record_at_end, runge_kutta};
 use crate::model::contacts::Ledger;
 use crate::model::rig::Rig;
 use crate::model::scalar::Real;
@@ -22,7 +22,13 @@ pub struct Banded<R> {
 
 impl<R: Real> Stepper<R> for Banded<R> {
     #[inline]
-    fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>) {
+    fn advance(
+        &self,
+        rig: &Rig<R>,
+        span: &Span<R>,
+        state: &mut HammerState<R>,
+        ledger: &mut Ledger<R>,
+    ) {
         let approach = state.approach;
         let moved = runge_kutta(rig, span, state, (span.from, span.to), |at| {
             banded_force(rig.law(), at.delta, at.rate, approach, &self.band)
@@ -31,7 +37,7 @@ impl<R: Real> Stepper<R> for Banded<R> {
     }
 
     #[inline]
-    fn force(&self, rig: &Rig<R>, state: &State<R>) -> R {
+    fn force(&self, rig: &Rig<R>, state: &HammerState<R>) -> R {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         banded_force(rig.law(), at.delta, at.rate, state.approach, &self.band)
     }

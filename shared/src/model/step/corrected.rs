@@ -1,9 +1,9 @@
 //! The switch model with the step split where the switch falls.
 
-use super::{Span, State, Stepper, fine, piece, recoil, runge_kutta};
+use super::{HammerState, Span, Stepper, fine, piece, recoil, runge_kutta};
 use crate::model::contact::Law;
 use crate::model::contacts::Ledger;
-use crate::model::rig::{Kinematics, Mode, Rig};
+use crate::model::rig::{Kinematics, Rig, SwitchMode};
 use crate::model::scalar::Real;
 
 /// Switches located in one part of a tick; a third waits for the next part.
@@ -49,7 +49,7 @@ pub(crate) struct Location {
 
 /// The motion up to the next switch, or to the end of a span.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg<R> {
+pub(crate) struct SwitchLeg<R> {
     /// The fraction of the tick at which it ends.
     pub at: R,
     /// The step that ends there, still in the mode it began in.
@@ -65,14 +65,14 @@ impl Corrected {
     pub(crate) fn leg<R: Real>(
         rig: &Rig<R>,
         span: &Span<R>,
-        state: &State<R>,
+        state: &HammerState<R>,
         fresh: bool,
         location: Location,
-    ) -> Leg<R> {
+    ) -> SwitchLeg<R> {
         let part = (span.from, span.to);
         let moved = Self::step(rig, span, state, part);
         match Self::bracket(rig, span, state, part, &moved.state) {
-            None => Leg {
+            None => SwitchLeg {
                 at: span.to,
                 moved,
                 switched: false,
@@ -80,7 +80,7 @@ impl Corrected {
             Some(far) => {
                 let start = (span.from, fresh);
                 let (at, moved) = Self::locate(rig, span, state, start, far, location);
-                Leg {
+                SwitchLeg {
                     at,
                     moved,
                     switched: true,
@@ -94,13 +94,13 @@ impl Corrected {
     pub(crate) fn step<R: Real>(
         rig: &Rig<R>,
         span: &Span<R>,
-        state: &State<R>,
+        state: &HammerState<R>,
         part: (R, R),
     ) -> super::Moved<R> {
         let approach = state.approach;
         let force = |at: &Kinematics<R>| match state.mode {
-            Mode::Flight => R::ZERO,
-            Mode::Contact => rig.force(at, approach),
+            SwitchMode::Flight => R::ZERO,
+            SwitchMode::Contact => rig.force(at, approach),
         };
         match span.cart {
             None => runge_kutta(rig, span, state, part, force),
@@ -110,24 +110,24 @@ impl Corrected {
 
     /// The indicator and δ̇ at a state.
     #[inline]
-    pub(crate) fn indicator_and_rate<R: Real>(rig: &Rig<R>, state: &State<R>) -> (R, R) {
+    pub(crate) fn indicator_and_rate<R: Real>(rig: &Rig<R>, state: &HammerState<R>) -> (R, R) {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         let (law, approach) = (rig.law(), state.approach);
         let indicator = match state.mode {
             // Coming in, every law pushes as soon as δ > 0; this is straight over a long step too.
-            Mode::Flight if at.rate > R::ZERO => law.stiffness() * at.delta,
-            Mode::Flight => law.indicator(at.delta, at.rate, at.rate.max(R::ZERO)),
-            Mode::Contact => law.release_indicator(at.delta, at.rate, approach),
+            SwitchMode::Flight if at.rate > R::ZERO => law.stiffness() * at.delta,
+            SwitchMode::Flight => law.indicator(at.delta, at.rate, at.rate.max(R::ZERO)),
+            SwitchMode::Contact => law.release_indicator(at.delta, at.rate, approach),
         };
         (indicator, at.rate)
     }
 
     /// Whether the indicator has left the mode's side.
     #[inline]
-    fn switched<R: Real>(mode: Mode, indicator: R) -> bool {
+    fn switched<R: Real>(mode: SwitchMode, indicator: R) -> bool {
         match mode {
-            Mode::Flight => indicator > R::ZERO,
-            Mode::Contact => indicator < R::ZERO,
+            SwitchMode::Flight => indicator > R::ZERO,
+            SwitchMode::Contact => indicator < R::ZERO,
         }
     }
 
@@ -137,16 +137,16 @@ impl Corrected {
     fn bracket<R: Real>(
         rig: &Rig<R>,
         span: &Span<R>,
-        state: &State<R>,
+        state: &HammerState<R>,
         (from, to): (R, R),
-        end: &State<R>,
+        end: &HammerState<R>,
     ) -> Option<(R, R)> {
         let (indicator, rate) = Self::indicator_and_rate(rig, end);
         if Self::switched(state.mode, indicator) {
             return Some((to, indicator));
         }
         let (_, rate_before) = Self::indicator_and_rate(rig, state);
-        if state.mode == Mode::Flight && rate_before > R::ZERO && rate < R::ZERO {
+        if state.mode == SwitchMode::Flight && rate_before > R::ZERO && rate < R::ZERO {
             let top = from + (to - from) * (rate_before / (rate_before - rate));
             let there = Self::step(rig, span, state, (from, top)).state;
             let (indicator, _) = Self::indicator_and_rate(rig, &there);
@@ -163,7 +163,7 @@ impl Corrected {
     fn locate<R: Real>(
         rig: &Rig<R>,
         span: &Span<R>,
-        state: &State<R>,
+        state: &HammerState<R>,
         (from, fresh): (R, bool),
         (far, at_far): (R, R),
         location: Location,
@@ -208,7 +208,13 @@ impl Corrected {
 
 impl<R: Real> Stepper<R> for Corrected {
     #[inline]
-    fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>) {
+    fn advance(
+        &self,
+        rig: &Rig<R>,
+        span: &Span<R>,
+        state: &mut HammerState<R>,
+        ledger: &mut Ledger<R>,
+    ) {
         if !matches!(rig.law(), Law::SpringDashpot { .. }) {
             return fine::advance(rig, span, state, ledger);
         }
@@ -218,14 +224,14 @@ impl<R: Real> Stepper<R> for Corrected {
             let leg = if switches < MAX_SWITCHES {
                 Self::leg(rig, &rest, state, switches > 0, LOCATION)
             } else {
-                Leg {
+                SwitchLeg {
                     at: span.to,
                     moved: Self::step(rig, span, state, (from, span.to)),
                     switched: false,
                 }
             };
-            let Leg { at, moved, .. } = leg;
-            if state.mode == Mode::Contact {
+            let SwitchLeg { at, moved, .. } = leg;
+            if state.mode == SwitchMode::Contact {
                 ledger.add(&piece(rig, span, (from, at), state, &moved));
             }
             *state = moved.state;
@@ -234,13 +240,13 @@ impl<R: Real> Stepper<R> for Corrected {
             }
             let rate = rig.kinematics(state.q.hi, state.v.hi).rate;
             match state.mode {
-                Mode::Flight => {
-                    state.mode = Mode::Contact;
+                SwitchMode::Flight => {
+                    state.mode = SwitchMode::Contact;
                     state.approach = rate;
                     ledger.onset(span.stamp(at), rate);
                 }
-                Mode::Contact => {
-                    state.mode = Mode::Flight;
+                SwitchMode::Contact => {
+                    state.mode = SwitchMode::Flight;
                     ledger.release(span.stamp(at), rate);
                 }
             }
@@ -249,10 +255,10 @@ impl<R: Real> Stepper<R> for Corrected {
     }
 
     #[inline]
-    fn force(&self, rig: &Rig<R>, state: &State<R>) -> R {
+    fn force(&self, rig: &Rig<R>, state: &HammerState<R>) -> R {
         match state.mode {
-            Mode::Flight => R::ZERO,
-            Mode::Contact => {
+            SwitchMode::Flight => R::ZERO,
+            SwitchMode::Contact => {
                 let at = rig.kinematics(state.q.hi, state.v.hi);
                 rig.force(&at, state.approach).max(R::ZERO)
             }
@@ -278,7 +284,7 @@ mod tests {
         // Some 20 µs before a touch at 0.7 mm/s, while the cart pulls the surface away ever harder: by
         // 30 m/s² in the middle of the tick.
         let speed = 7e-4;
-        let mut state = State::new(&rig, 6e-9 - speed * 2e-5, speed);
+        let mut state = HammerState::new(&rig, 6e-9 - speed * 2e-5, speed);
         let span = Span {
             drive: &drive,
             drive_acceleration: -30.0 / drive.sin_ahead(0.5),
@@ -298,6 +304,6 @@ mod tests {
             contact.impulse > 0.0 && contact.peak_force > 0.0,
             "{contact:?}"
         );
-        assert_eq!(state.mode, Mode::Flight);
+        assert_eq!(state.mode, SwitchMode::Flight);
     }
 }

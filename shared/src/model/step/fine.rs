@@ -4,10 +4,10 @@
 //! long there. In contact the tick is cut into pieces: short against the contact's own time scale where it is now, and
 //! never longer than half the time δ took to come. In flight nothing changes, and the linear law does not come here.
 
-use super::corrected::{Corrected, LOCATION, Leg};
-use super::{Span, State, piece};
+use super::corrected::{Corrected, LOCATION, SwitchLeg};
+use super::{HammerState, Span, piece};
 use crate::model::contacts::Ledger;
-use crate::model::rig::{Mode, Rig};
+use crate::model::rig::{Rig, SwitchMode};
 use crate::model::scalar::Real;
 
 /// Pieces of one part of a tick, flight included: what bounds the work. As many of the shortest as a tick has, and some
@@ -25,7 +25,7 @@ const SHORTEST: f64 = 1.0 / 64.0;
 pub(super) fn advance<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &mut State<R>,
+    state: &mut HammerState<R>,
     ledger: &mut Ledger<R>,
 ) {
     let mut from = span.from;
@@ -48,7 +48,7 @@ pub(super) fn advance<R: Real>(
     }
     // Out of pieces: the rest at once, and a note of the tick that would have done.
     ledger.note_tick_needed((from - span.from) * span.drive.tick_s());
-    let leg = Leg {
+    let leg = SwitchLeg {
         at: span.to,
         moved: Corrected::step(rig, span, state, (from, span.to)),
         switched: false,
@@ -61,11 +61,11 @@ pub(super) fn advance<R: Real>(
 fn take<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &mut State<R>,
-    leg: &Leg<R>,
+    state: &mut HammerState<R>,
+    leg: &SwitchLeg<R>,
     ledger: &mut Ledger<R>,
 ) {
-    if state.mode == Mode::Contact {
+    if state.mode == SwitchMode::Contact {
         ledger.add(&piece(rig, span, (span.from, leg.at), state, &leg.moved));
     }
     *state = leg.moved.state;
@@ -76,24 +76,24 @@ fn take<R: Real>(
 fn switch<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &mut State<R>,
+    state: &mut HammerState<R>,
     at: R,
     ledger: &mut Ledger<R>,
 ) {
     let rate = rig.kinematics(state.q.hi, state.v.hi).rate;
     match state.mode {
         // Moving away, with F near zero, where rounding decides: still the same contact.
-        Mode::Flight if rate < R::ZERO => {
-            state.mode = Mode::Contact;
+        SwitchMode::Flight if rate < R::ZERO => {
+            state.mode = SwitchMode::Contact;
             ledger.resume(span.stamp(at), state.approach);
         }
-        Mode::Flight => {
-            state.mode = Mode::Contact;
+        SwitchMode::Flight => {
+            state.mode = SwitchMode::Contact;
             state.approach = rate;
             ledger.onset(span.stamp(at), rate);
         }
-        Mode::Contact => {
-            state.mode = Mode::Flight;
+        SwitchMode::Contact => {
+            state.mode = SwitchMode::Flight;
             ledger.release(span.stamp(at), rate);
         }
     }
@@ -104,11 +104,11 @@ fn switch<R: Real>(
 fn end_of_piece<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &State<R>,
+    state: &HammerState<R>,
     from: R,
     ledger: &mut Ledger<R>,
 ) -> R {
-    if state.mode == Mode::Flight {
+    if state.mode == SwitchMode::Flight {
         return span.to;
     }
     let at = rig.kinematics(state.q.hi, state.v.hi);

@@ -22,35 +22,35 @@ pub use fine::MAX_PIECES;
 pub use smoothed::Smoothed;
 
 use crate::model::cart::Cart;
-use crate::model::contacts::{Ledger, Piece};
+use crate::model::contacts::{ContactPiece, Ledger};
 use crate::model::drive::{Drive, Stamp};
-use crate::model::rig::{Kinematics, Mode, Rig};
+use crate::model::rig::{Kinematics, Rig, SwitchMode};
 use crate::model::scalar::{Compensated, Real};
 
 /// The state of the hammer: plain data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State<R> {
+pub struct HammerState<R> {
     /// Generalised coordinate relative to the contact configuration, m or rad ([`crate::model::rig`]).
     pub q: Compensated<R>,
     /// Its rate, m/s or rad/s.
     pub v: Compensated<R>,
     /// Which side of the switch.
-    pub mode: Mode,
+    pub mode: SwitchMode,
     /// δ̇⁻, penetration rate at the last onset, m/s.
     pub approach: R,
     /// Deviation of the cart from its course, m, and its rate, m/s; 0 with a prescribed cart.
     pub cart: [R; 2],
 }
 
-impl<R: Real> State<R> {
+impl<R: Real> HammerState<R> {
     /// A state at coordinate `q` and rate `v`, in contact if the law pushes there.
     pub fn new(rig: &Rig<R>, q: R, v: R) -> Self {
         let at = rig.kinematics(q, v);
         let approach = at.rate.max(R::ZERO);
         let mode = if rig.indicator(&at, approach) > R::ZERO {
-            Mode::Contact
+            SwitchMode::Contact
         } else {
-            Mode::Flight
+            SwitchMode::Flight
         };
         Self {
             q: Compensated::new(q),
@@ -100,7 +100,7 @@ impl<R: Real> Span<'_, R> {
         &self,
         rig: &Rig<R>,
         at: &Kinematics<R>,
-        state: &State<R>,
+        state: &HammerState<R>,
         force: R,
         course: R,
     ) -> (R, R) {
@@ -123,16 +123,22 @@ impl<R: Real> Span<'_, R> {
 /// A way to move the hammer through a part of a tick.
 pub trait Stepper<R: Real> {
     /// Moves `state` from `span.from` to `span.to` and enters contacts in the `ledger`.
-    fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>);
+    fn advance(
+        &self,
+        rig: &Rig<R>,
+        span: &Span<R>,
+        state: &mut HammerState<R>,
+        ledger: &mut Ledger<R>,
+    );
 
     /// The contact force of this stepper's model at a state, N.
-    fn force(&self, rig: &Rig<R>, state: &State<R>) -> R;
+    fn force(&self, rig: &Rig<R>, state: &HammerState<R>) -> R;
 }
 
 /// What one Runge–Kutta step found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moved<R> {
-    pub state: State<R>,
+    pub state: HammerState<R>,
     pub impulse: R,
     work: R,
 }
@@ -143,7 +149,7 @@ pub(crate) struct Moved<R> {
 fn runge_kutta<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &State<R>,
+    state: &HammerState<R>,
     (from, to): (R, R),
     force: impl Fn(&Kinematics<R>) -> R,
 ) -> Moved<R> {
@@ -170,7 +176,7 @@ fn runge_kutta<R: Real>(
     // Σ of the stage velocities, written as h v + h²/6 (a1 + a2 + a3): the large part is exact.
     let drift = sixth * (a1 + a2 + a3);
     Moved {
-        state: State {
+        state: HammerState {
             q: state.q.plus(h * (v + state.v.lo + drift)),
             v: state.v.plus(quadrature(a1, a2, a3, a4)),
             ..*state
@@ -182,7 +188,7 @@ fn runge_kutta<R: Real>(
 
 /// Force and its rate at a state, N and N/s.
 #[inline]
-fn force_and_rate<R: Real>(rig: &Rig<R>, span: &Span<R>, state: &State<R>, at: R) -> (R, R) {
+fn force_and_rate<R: Real>(rig: &Rig<R>, span: &Span<R>, state: &HammerState<R>, at: R) -> (R, R) {
     let course = span.inertial(at);
     let v = state.v.hi;
     let at = rig.kinematics(state.q.hi, v);
@@ -199,12 +205,12 @@ pub(crate) fn piece<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
     (from, to): (R, R),
-    before: &State<R>,
+    before: &HammerState<R>,
     moved: &Moved<R>,
-) -> Piece<R> {
+) -> ContactPiece<R> {
     let (f0, r0) = force_and_rate(rig, span, before, from);
     let (f1, r1) = force_and_rate(rig, span, &moved.state, to);
-    Piece {
+    ContactPiece {
         span_s: (to - from) * span.drive.tick_s(),
         force: (f0, f1),
         force_rate: (r0, r1),
@@ -219,24 +225,24 @@ pub(crate) fn piece<R: Real>(
 fn record_at_end<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
-    state: &mut State<R>,
+    state: &mut HammerState<R>,
     moved: &Moved<R>,
     ledger: &mut Ledger<R>,
 ) {
     let before = *state;
     *state = moved.state;
     let at = rig.kinematics(state.q.hi, state.v.hi);
-    if before.mode == Mode::Flight {
+    if before.mode == SwitchMode::Flight {
         state.approach = at.rate.max(R::ZERO);
     }
     let touching = rig.indicator(&at, state.approach) > R::ZERO;
     let stamp = span.stamp(span.to);
     match (before.mode, touching) {
-        (Mode::Flight, true) => {
-            state.mode = Mode::Contact;
+        (SwitchMode::Flight, true) => {
+            state.mode = SwitchMode::Contact;
             ledger.onset(stamp, at.rate);
             let (force, rate) = force_and_rate(rig, span, state, span.to);
-            ledger.add(&Piece {
+            ledger.add(&ContactPiece {
                 span_s: R::ZERO,
                 force: (force, force),
                 force_rate: (rate, rate),
@@ -244,14 +250,14 @@ fn record_at_end<R: Real>(
                 work: moved.work,
             });
         }
-        (Mode::Contact, _) => {
+        (SwitchMode::Contact, _) => {
             ledger.add(&piece(rig, span, (span.from, span.to), &before, moved));
             if !touching {
-                state.mode = Mode::Flight;
+                state.mode = SwitchMode::Flight;
                 ledger.release(stamp, at.rate);
             }
         }
-        (Mode::Flight, false) => {}
+        (SwitchMode::Flight, false) => {}
     }
 }
 

@@ -1,6 +1,6 @@
 //! The Runge–Kutta step of both bodies: hammer, and cart off its course.
 
-use super::{Moved, Span, State};
+use super::{HammerState, Moved, Span};
 use crate::model::cart::Cart;
 use crate::model::rig::{Kinematics, Rig};
 use crate::model::scalar::Real;
@@ -11,7 +11,7 @@ pub(super) fn runge_kutta<R: Real>(
     rig: &Rig<R>,
     cart: &Cart<R>,
     span: &Span<R>,
-    state: &State<R>,
+    state: &HammerState<R>,
     (from, to): (R, R),
     force: impl Fn(&Kinematics<R>) -> R,
 ) -> Moved<R> {
@@ -38,7 +38,7 @@ pub(super) fn runge_kutta<R: Real>(
     let quadrature = |k1: R, k2: R, k3: R, k4: R| sixth * (k1 + R::TWO * (k2 + k3) + k4);
     let drift = sixth * (a1 + a2 + a3);
     Moved {
-        state: State {
+        state: HammerState {
             q: state.q.plus(h * (v + state.v.lo + drift)),
             v: state.v.plus(quadrature(a1, a2, a3, a4)),
             cart: [

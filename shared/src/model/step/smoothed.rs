@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_1_PI;
 
-use super::{Span, State, Stepper, record_at_end, runge_kutta};
+use super::{HammerState, Span, Stepper, record_at_end, runge_kutta};
 use crate::model::contacts::Ledger;
 use crate::model::rig::Rig;
 use crate::model::scalar::Real;
@@ -39,7 +39,13 @@ impl<R: Real> Smoothed<R> {
 
 impl<R: Real> Stepper<R> for Smoothed<R> {
     #[inline]
-    fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>) {
+    fn advance(
+        &self,
+        rig: &Rig<R>,
+        span: &Span<R>,
+        state: &mut HammerState<R>,
+        ledger: &mut Ledger<R>,
+    ) {
         let approach = state.approach;
         let moved = runge_kutta(rig, span, state, (span.from, span.to), |at| {
             self.blended(at.delta, rig.force(at, approach))
@@ -48,7 +54,7 @@ impl<R: Real> Stepper<R> for Smoothed<R> {
     }
 
     #[inline]
-    fn force(&self, rig: &Rig<R>, state: &State<R>) -> R {
+    fn force(&self, rig: &Rig<R>, state: &HammerState<R>) -> R {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         self.blended(at.delta, rig.force(&at, state.approach))
     }

@@ -71,7 +71,7 @@ fn error_in_flight(tick_s: f64) -> (f64, f64) {
         from: 0.25,
         to: 1.0,
     };
-    let mut state = State::new(&rig, x - params.gap_m, v);
+    let mut state = HammerState::new(&rig, x - params.gap_m, v);
     Corrected.advance(&rig, &span, &mut state, &mut Ledger::default());
     let phase = TAU * f64::from(drive.now().phase) / TURN + 0.25 * tick_s * drive_omega;
     let driven = (span.drive_acceleration, drive_omega, phase);
@@ -107,13 +107,13 @@ fn balances_in_contact(tick_s: f64) -> [(f64, f64); 2] {
         from: 0.0,
         to: 1.0,
     };
-    let before = State::new(&rig, 2e-6, 0.07);
-    assert_eq!(before.mode, Mode::Contact);
+    let before = HammerState::new(&rig, 2e-6, 0.07);
+    assert_eq!(before.mode, SwitchMode::Contact);
     let mut after = before;
     let mut ledger = Ledger::default();
     ledger.onset(drive.now(), 0.08);
     Corrected.advance(&rig, &span, &mut after, &mut ledger);
-    assert_eq!(after.mode, Mode::Contact);
+    assert_eq!(after.mode, SwitchMode::Contact);
     ledger.release(drive.now(), 0.0);
     let seen = ledger.take_finished().unwrap();
     let lost = 0.5 * MASS_KG * (before.v.hi * before.v.hi - after.v.hi * after.v.hi);
@@ -148,7 +148,7 @@ fn what_rounding_dropped_from_the_rate_still_moves_the_hammer() {
         from: 0.0,
         to: 1.0,
     };
-    let mut state = State::new(&rig, -1e-3, 0.0);
+    let mut state = HammerState::new(&rig, -1e-3, 0.0);
     // A sixtieth of what f32 resolves beside the rate of 0.
     state.v.lo = 0.02;
     Corrected.advance(&rig, &span, &mut state, &mut Ledger::default());
@@ -169,9 +169,9 @@ fn a_hammer_at_rest_stays_there() {
                 from: 0.0,
                 to: 1.0,
             };
-            let rest = State::at_rest(&rig);
+            let rest = HammerState::at_rest(&rig);
             let pressed = gap_m < 0.0;
-            assert_eq!(rest.mode == Mode::Contact, pressed, "{gap_m}");
+            assert_eq!(rest.mode == SwitchMode::Contact, pressed, "{gap_m}");
             let mut state = rest;
             for _ in 0..100 {
                 Corrected.advance(&rig, &span, &mut state, &mut Ledger::default());
@@ -202,7 +202,7 @@ fn contact_of(
     })
     .unwrap();
     let mut drive = Drive::<f64>::new(100.0, tick_s).unwrap();
-    let mut state = State::new(&rig, -0.08 * tick_s * ticks, 0.08);
+    let mut state = HammerState::new(&rig, -0.08 * tick_s * ticks, 0.08);
     let mut ledger = Ledger::default();
     let start = drive.now();
     for _ in 0..100_000 {
@@ -217,7 +217,7 @@ fn contact_of(
         drive.advance();
         if let Some(contact) = ledger.take_finished() {
             let onset = contact.onset.turns_since(start) / (100.0 * tick_s);
-            assert_eq!(state.mode, Mode::Flight);
+            assert_eq!(state.mode, SwitchMode::Flight);
             assert_eq!(stepper.force(&rig, &state).max(0.0), 0.0);
             return (onset, contact);
         }
@@ -303,7 +303,7 @@ fn the_smoothed_force_rises_by_arctangents_of_penetration_and_force() {
     close(smoothed.blended(2e-6, 8.0), 8.0 * 0.75 * 0.75);
     close(smoothed.blended(-2e-6, -8.0), -8.0 * 0.25 * 0.25);
     let rig = Rig::<f64>::new(&free()).unwrap();
-    let state = State::new(&rig, 2e-6, 0.01);
+    let state = HammerState::new(&rig, 2e-6, 0.01);
     let law = 2e-6 * 5.5e6 + 0.01 * 1.2e3;
     close(smoothed.force(&rig, &state), smoothed.blended(2e-6, law));
 }
@@ -348,7 +348,7 @@ fn the_force_of_the_band_s_model_is_that_of_its_subspace() {
     let banded = Banded {
         band: Band::new(1e-6, 0.0),
     };
-    let force = |q, v| banded.force(&rig, &State::new(&rig, q, v));
+    let force = |q, v| banded.force(&rig, &HammerState::new(&rig, q, v));
     assert_eq!(force(2e-6, 0.01), 2e-6 * 5.5e6 + 0.01 * 1.2e3);
     assert_eq!(force(0.0, 0.08), 96.0);
     assert_eq!(force(-2e-6, 0.08), 0.0);
@@ -418,7 +418,7 @@ fn a_contact_too_hard_for_the_tick_is_noted_with_a_tick_that_suits_it() {
             rig,
             drive,
             Corrected,
-            State::new(&rig, -0.08 * 60e-6, 0.08),
+            HammerState::new(&rig, -0.08 * 60e-6, 0.08),
         );
         for _ in 0..(2e-3 / tick_s) as usize {
             twin.tick();

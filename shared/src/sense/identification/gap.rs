@@ -5,8 +5,8 @@
 //! drifts moves both, and no gap. So Δ₀ is that of the last few windows, averaged over the last contacts as
 //! the onsets are.
 
-use super::statistics::{Average, Line};
-use super::{Estimate, FEWEST_CONTACTS};
+use super::statistics::{Average, FadingLine};
+use super::{FEWEST_CONTACTS, OnlineEstimate};
 
 /// Largest number of contacts in the gap: few, so that it follows a surface that recedes,
 pub const GAP_MEMORY: u32 = 24;
@@ -41,7 +41,7 @@ pub(super) struct Gap {
     /// Square of a gap's least spread, m²: 1 % of A0.
     grain_m2: f32,
     /// The points of the last few windows: where the hammer would rest now.
-    rest: Line<REST_MEMORY>,
+    rest: FadingLine<REST_MEMORY>,
     /// Points in a row that lie off it, and windows since the last contact.
     off_rest: u8,
     flown: u8,
@@ -57,7 +57,7 @@ impl Gap {
             moved: 0,
             side: 0,
             grain_m2: 1e-4 * amplitude_m * amplitude_m,
-            rest: Line::default(),
+            rest: FadingLine::default(),
             off_rest: 0,
             flown: 0,
             rest_m: Average::default(),
@@ -139,9 +139,9 @@ impl Gap {
     }
 
     /// The gap, with its spread.
-    pub fn estimate(&self) -> Option<Estimate> {
+    pub fn estimate(&self) -> Option<OnlineEstimate> {
         let value = self.gap_m()?;
-        Some(Estimate {
+        Some(OnlineEstimate {
             value,
             sigma: self.surface.sigma(),
             samples: self.surface.count,

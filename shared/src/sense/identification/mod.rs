@@ -51,7 +51,7 @@ use contact::{Above, spring_dashpot};
 pub use gap::GAP_MEMORY;
 use gap::Gap;
 use ratio::Ratio;
-use statistics::{Average, Line};
+use statistics::{Average, FadingLine};
 
 /// Largest number of windows or contacts in an estimate: older ones fade.
 pub const MEMORY: u32 = 200;
@@ -94,7 +94,7 @@ const FEWEST_CONTACTS: u32 = 8;
 
 /// An estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct OnlineEstimate {
     /// The value, in the unit of the field that holds it.
     pub value: f32,
     /// Its standard error, same unit.
@@ -107,13 +107,13 @@ pub struct Estimate {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimates {
     /// Contact stiffness ki of the spring-dashpot, N/m.
-    pub stiffness: Option<Estimate>,
+    pub stiffness: Option<OnlineEstimate>,
     /// Contact damping ci of the spring-dashpot, N·s/m.
-    pub damping: Option<Estimate>,
+    pub damping: Option<OnlineEstimate>,
     /// Natural frequency, Hz.
-    pub natural_hz: Option<Estimate>,
+    pub natural_hz: Option<OnlineEstimate>,
     /// Gap, m.
-    pub gap_m: Option<Estimate>,
+    pub gap_m: Option<OnlineEstimate>,
 }
 
 /// One window in flight.
@@ -150,9 +150,9 @@ pub struct Identification {
     grain: f32,
     window: Window,
     settle: u32,
-    line: Line,
+    line: FadingLine,
     /// The newest points, up to `FEWEST_WINDOWS`, those that were refused among them.
-    newest: Line,
+    newest: FadingLine,
     /// Those that were refused.
     outliers: u32,
     approach: Average,
@@ -212,8 +212,8 @@ impl Identification {
             grain: 2.5e-3 * (omega * omega * amplitude_m) * (omega * omega * amplitude_m),
             window: Window::default(),
             settle: SETTLE,
-            line: Line::default(),
-            newest: Line::default(),
+            line: FadingLine::default(),
+            newest: FadingLine::default(),
             outliers: 0,
             approach: Average::default(),
             restitution: Average::default(),
@@ -374,8 +374,8 @@ impl Identification {
     pub fn reset(&mut self) {
         self.window = Window::default();
         self.settle = SETTLE;
-        self.line = Line::default();
-        self.newest = Line::default();
+        self.line = FadingLine::default();
+        self.newest = FadingLine::default();
         self.outliers = 0;
         self.approach = Average::default();
         self.restitution = Average::default();
@@ -384,7 +384,7 @@ impl Identification {
         self.ratio.reset();
     }
 
-    fn natural(&self) -> Option<Estimate> {
+    fn natural(&self) -> Option<OnlineEstimate> {
         let (slope, square) = self.line.straight()?;
         let omega = libm::sqrtf(slope);
         let value = omega * (1.0 / core::f32::consts::TAU);
@@ -395,14 +395,14 @@ impl Identification {
         let off = value / believed - 1.0;
         (-NATURAL_RANGE..=NATURAL_RANGE)
             .contains(&off)
-            .then_some(Estimate {
+            .then_some(OnlineEstimate {
                 value,
                 sigma,
                 samples: self.line.count,
             })
     }
 
-    fn contact(&self) -> (Option<Estimate>, Option<Estimate>) {
+    fn contact(&self) -> (Option<OnlineEstimate>, Option<OnlineEstimate>) {
         let Some((stiffness, damping)) = self.believed.contact else {
             return (None, None);
         };
@@ -429,7 +429,7 @@ impl Identification {
             value < CONTACT_RANGE * believed && value * CONTACT_RANGE > believed
         };
         let estimate = |value: f32, believed: f32, spread: f32| {
-            within(value, believed).then_some(Estimate {
+            within(value, believed).then_some(OnlineEstimate {
                 value,
                 sigma: value * spread,
                 samples,

@@ -47,7 +47,7 @@ impl<const M: u32> Average<M> {
 /// A straight line through points, older ones fading; about the mean of the last `M`, so that a line whose level moves has its
 /// slope all the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Line<const M: u32 = MEMORY> {
+pub struct FadingLine<const M: u32 = MEMORY> {
     pub x: f32,
     pub y: f32,
     pub xx: f32,
@@ -56,7 +56,7 @@ pub struct Line<const M: u32 = MEMORY> {
     pub count: u32,
 }
 
-impl<const M: u32> Line<M> {
+impl<const M: u32> FadingLine<M> {
     pub fn push(&mut self, x: f32, y: f32) {
         self.count = self.count.saturating_add(1);
         let weight = 1.0 / self.count.min(MEMORY) as f32;
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn old_values_fade() {
         let mut average = Average::<MEMORY>::default();
-        let mut line = Line::<MEMORY>::default();
+        let mut line = FadingLine::<MEMORY>::default();
         for k in 0..MEMORY {
             average.push(3.0);
             line.push((k % 2) as f32, 3.0);
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_line_is_that_of_least_squares() {
-        let mut line = Line::<MEMORY>::default();
+        let mut line = FadingLine::<MEMORY>::default();
         assert_eq!(line.fit(), None);
         // Off the line y = 5 − 2x by +1 and −1 in turn, at pairs of equal x.
         let off = |k: u32| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -194,7 +194,10 @@ mod tests {
 
     #[test]
     fn points_above_each_other_and_points_on_a_line_leave_no_scatter() {
-        let (mut upright, mut exact) = (Line::<MEMORY>::default(), Line::<MEMORY>::default());
+        let (mut upright, mut exact) = (
+            FadingLine::<MEMORY>::default(),
+            FadingLine::<MEMORY>::default(),
+        );
         for k in 0..2 * FEWEST {
             upright.push(1.0, k as f32);
             exact.push(k as f32, 3.0 * k as f32);

@@ -484,7 +484,7 @@ fn a_window_with_a_contact_in_it_is_dropped() {
     assert!(fits.natural_hz.is_some());
     let cut = beams(0.0, window + SETTLE, 20.0);
     assert_eq!(cut.estimates().natural_hz, None);
-    assert_eq!(cut.line, Line::default());
+    assert_eq!(cut.line, FadingLine::default());
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct Entry {
 
 /// The scatter that one n leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Fit {
+pub struct SectionFit {
     /// Contact counts agree, with at most the allowed exception.
     pub consistent: bool,
     pub contacts: u16,
@@ -25,10 +25,10 @@ pub struct Fit {
 }
 
 /// Sorts periods into n classes and measures what is left within them.
-pub fn fit_of(entries: &[Entry], n: usize) -> Fit {
+pub fn fit_of(entries: &[Entry], n: usize) -> SectionFit {
     // Steps by 0 would panic; this shows the compiler that there are none.
     let n = n.max(1);
-    let mut fit = Fit::default();
+    let mut fit = SectionFit::default();
     if entries.len() < 2 * n {
         return fit;
     }
@@ -175,7 +175,11 @@ mod tests {
             0.2 * 0.2 + 0.05 * 0.05,
         ];
         close(together.variance, all.map(|square: f32| share * square));
-        assert_eq!(fit_of(&entries, 7), Fit::default(), "two of each class");
+        assert_eq!(
+            fit_of(&entries, 7),
+            SectionFit::default(),
+            "two of each class"
+        );
         assert!(fit_of(&entries, 6).consistent);
     }
 

@@ -17,10 +17,10 @@ impl Dice {
 /// Runs periods, each a list of contacts (phase in turns, impulse) and a displacement on the section;
 /// answers after each.
 fn run(
-    section: &mut Section,
+    section: &mut SensedSection,
     from: u32,
     periods: impl IntoIterator<Item = Drawn>,
-) -> std::vec::Vec<Measured> {
+) -> std::vec::Vec<SensedRegime> {
     let mut answers = std::vec::Vec::new();
     for (cycle, (contacts, displacement)) in (from..).zip(periods) {
         section.strobe(cycle, displacement, 0.0);
@@ -62,7 +62,7 @@ fn noisy(pattern: &[&[(f32, f32)]], count: usize, dice: &mut Dice) -> std::vec::
 }
 
 fn settled(pattern: &[&[(f32, f32)]]) -> Regime {
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let answers = run(&mut section, 7, noisy(pattern, 40, &mut Dice(3)));
     let last = answers[39];
     assert_eq!(last.periods, 16);
@@ -96,7 +96,7 @@ fn an_onset_on_the_cut_does_not_matter() {
 
 #[test]
 fn wandering_contacts_are_aperiodic() {
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let mut dice = Dice(5);
     let periods = (0..40).map(|_| (std::vec![(0.4 + 0.1 * dice.roll(), 1.0)], dice.roll()));
     let answers = run(&mut section, 0, periods);
@@ -106,7 +106,7 @@ fn wandering_contacts_are_aperiodic() {
 #[test]
 fn one_missed_contact_changes_nothing_and_two_do() {
     let mut dice = Dice(3);
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let mut periods = noisy(&[&[(0.3, 1.0)]], 60, &mut dice);
     periods[30].0.clear();
     let answers = run(&mut section, 0, periods.clone());
@@ -115,14 +115,14 @@ fn one_missed_contact_changes_nothing_and_two_do() {
         "{answers:?}"
     );
     periods[33].0.clear();
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let answers = run(&mut section, 0, periods);
     assert!(!answers[35].regime.is(1, 1));
 }
 
 #[test]
 fn a_change_is_reported_within_nine_periods_and_silence_within_five() {
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let mut dice = Dice(3);
     run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
     let answers = run(
@@ -143,7 +143,7 @@ fn a_change_is_reported_within_nine_periods_and_silence_within_five() {
 
 #[test]
 fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     let mut dice = Dice(3);
     run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
     section.restart();
@@ -155,7 +155,7 @@ fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
 #[test]
 fn silence_is_reported_once_it_is_three_periods_longer_than_any_before() {
     for n in [2, 3, 4] {
-        let mut section = Section::default();
+        let mut section = SensedSection::default();
         let mut dice = Dice(3);
         let mut pattern: [&[(f32, f32)]; 4] = [&[]; 4];
         pattern[0] = &[(0.3, 1.0)];
@@ -175,7 +175,7 @@ fn a_regime_of_n_is_not_claimed_before_three_times_n_periods() {
     let four: [&[(f32, f32)]; 4] = [&[(0.3, 1.3)], &[(0.3, 0.9)], &[(0.3, 1.1)], &[(0.3, 0.7)]];
     let two: [&[(f32, f32)]; 2] = [&[(0.3, 1.3)], &[(0.3, 0.7)]];
     for (pattern, n) in [(&four[..], 4), (&two[..], 2)] {
-        let mut section = Section::default();
+        let mut section = SensedSection::default();
         let answers = run(&mut section, 0, noisy(pattern, 30, &mut Dice(3)));
         let first = answers.iter().find(|a| a.regime.is(n, n as u8)).unwrap();
         assert_eq!(u16::from(first.periods), 3 * n);
@@ -215,7 +215,7 @@ fn an_onset_and_its_impulse_belong_to_the_period_of_the_onset() {
 fn only_whole_periods_are_entered_wherever_in_a_period_it_starts() {
     // One contact per period, at 0.3 turns; the first period is cut short at its beginning.
     for from in [0.01, 0.2, 0.26, 0.4, 0.51, 0.6, 0.74, 0.76, 0.9] {
-        let entered = |section: &mut Section| {
+        let entered = |section: &mut SensedSection| {
             for cycle in 10..16 {
                 for tick in 0..TICKS {
                     if cycle == 10 && f64::from(tick) < from * f64::from(TICKS) {
@@ -238,12 +238,12 @@ fn only_whole_periods_are_entered_wherever_in_a_period_it_starts() {
         };
         // Period 15 is still open. Cut at 0, periods 11 to 14 are whole; cut at a half, one more if the start lies before it.
         let before_half = usize::from(from < 0.5);
-        let mut started_anew = Section::default();
+        let mut started_anew = SensedSection::default();
         started_anew.restart();
         assert_eq!(entered(&mut started_anew), [4, 4 + before_half], "{from}");
         // After a start, the observer does not know the cart for one period more.
         assert_eq!(
-            entered(&mut Section::default()),
+            entered(&mut SensedSection::default()),
             [3, 3 + before_half],
             "{from}"
         );
@@ -252,7 +252,7 @@ fn only_whole_periods_are_entered_wherever_in_a_period_it_starts() {
 
 #[test]
 fn the_work_on_a_period_is_spread_over_many_ticks() {
-    let mut section = Section::default();
+    let mut section = SensedSection::default();
     section.at_zero.close(0);
     section.at_half.close(0);
     section.tick(0, 0);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use shared::link::ToBoard;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
@@ -53,7 +53,7 @@ pub fn benchmark(setup: &Setup) -> Found {
     let began = Instant::now();
     let end = from + (setup.seconds * UNITS_PER_S as f64) as u64;
     let mut streamed = 0u64;
-    let progress = Progress::new("seconds of rig time", setup.seconds as u64, false);
+    let progress = ProgressLine::new("seconds of rig time", setup.seconds as u64, false);
     let ends = interrupted();
     while bench.now() < end && !ends.load(Ordering::SeqCst) {
         bench.rig.borrow_mut().forget_changes();

@@ -2,7 +2,7 @@
 
 use shared::control::State;
 use shared::fault::Fault;
-use shared::link::Act;
+use shared::link::LinkAct;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -280,7 +280,7 @@ pub fn brown_out_set(setup: &Setup) -> Found {
     bench.advance_ms(100)?;
     bench.client.hello()?;
     bench.client.open_session(false)?;
-    bench.client.steer(Act::SetBrownOut)?;
+    bench.client.steer(LinkAct::SetBrownOut)?;
     let options = bench.rig.borrow().machine.around.options;
     must((options ^ LEVEL_3) & !3 == 0, || {
         format!("option bytes {options:#010x}")
@@ -290,7 +290,7 @@ pub fn brown_out_set(setup: &Setup) -> Found {
     let mut bench = Bench::driving(setup)?;
     bench.client.hello()?;
     bench.client.open_session(true)?;
-    must(bench.client.steer(Act::SetBrownOut).is_err(), || {
+    must(bench.client.steer(LinkAct::SetBrownOut).is_err(), || {
         "option bytes are written while it drives".into()
     })?;
     Ok((

@@ -1,9 +1,9 @@
 //! The closed loop: board and plant, recorded over the link, compared with the desktop's controller.
 
-use emulator::log::Reader;
+use emulator::log::LogReader;
 use files::made_from::MadeFrom;
 use host_sim::link::recording::record;
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use host_sim::replay::replay;
 use shared::control::{Command, Mode};
 
@@ -43,14 +43,14 @@ pub fn field(setup: &Setup) -> Found {
     for _ in 0..REQUESTS {
         status = bench.client.status()?;
     }
-    let replayed = replay(&mut Reader::open(&log)?, &Progress::new("", 1, true))?;
+    let replayed = replay(&mut LogReader::open(&log)?, &ProgressLine::new("", 1, true))?;
     must(replayed.difference.is_none(), || {
         format!("the desktop decides otherwise: {:?}", replayed.difference)
     })?;
     must(replayed.ticks >= ticks, || {
         format!("{} ticks replayed of {ticks}", replayed.ticks)
     })?;
-    let played = played(&bench, &mut Reader::open(&log)?)?;
+    let played = played(&bench, &mut LogReader::open(&log)?)?;
     let machine = &bench.rig.borrow().machine;
     let seconds = (machine.now - began.0) as f64 / crate::parts::UNITS_PER_S as f64;
     let per_block =
@@ -69,7 +69,7 @@ pub fn field(setup: &Setup) -> Found {
 }
 
 /// The recorded set-points must be those at the pin, 20 ticks after the samples that they were worked out from.
-fn played(bench: &Bench, log: &mut Reader) -> Result<usize, Box<dyn std::error::Error>> {
+fn played(bench: &Bench, log: &mut LogReader) -> Result<usize, Box<dyn std::error::Error>> {
     let mut recorded = Vec::new();
     while let Some(block) = log.block()? {
         recorded.extend(

@@ -4,7 +4,7 @@
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 
 use super::{ALL, Check, Found, Setup};
 use crate::image::Image;
@@ -334,7 +334,7 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
         .filter(|((name, ..), _)| name.contains(wanted))
         .collect();
     let (next, passed) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let progress = Progress::new("mutants", all.len() as u64, false);
+    let progress = ProgressLine::new("mutants", all.len() as u64, false);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let elf = setup.elf.as_path();
     let work = || -> Result<(), String> {

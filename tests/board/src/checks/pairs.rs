@@ -2,7 +2,7 @@
 
 use shared::control::State;
 use shared::fault::Fault;
-use shared::link::{Act, Answer, ToBoard};
+use shared::link::{LinkAct, LinkAnswer, ToBoard};
 
 use super::faults::{CRASH_US, NO_BLOCKS_US, Strike, struck};
 use super::session::Bench;
@@ -24,7 +24,7 @@ pub fn chain_in_a_save(setup: &Setup) -> Found {
         then: Rig::open_chain,
     });
     let from = bench.now();
-    bench.client.steer(Act::SetSettings(second))?;
+    bench.client.steer(LinkAct::SetSettings(second))?;
     let open = bench.rig.borrow().trap.is_none();
     must(open, || "nothing was erased".into())?;
     let status = bench.must_be(State::Fault)?;
@@ -46,7 +46,7 @@ pub fn chain_in_a_save(setup: &Setup) -> Found {
     after.advance_ms(100)?;
     after.client.hello()?;
     let stored = after.client.ask(ToBoard::GetSettings)?;
-    must(stored == Answer::Settings(second), || {
+    must(stored == LinkAnswer::Settings(second), || {
         "the settings that were sent are not stored".into()
     })?;
     Ok((

@@ -1,6 +1,6 @@
 //! Settings saved with the power cut at an operation of the flash.
 
-use shared::link::{Act, Answer, ToBoard};
+use shared::link::{LinkAct, LinkAnswer, ToBoard};
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -20,7 +20,7 @@ pub fn power_cuts(setup: &Setup) -> Found {
     second.rig.amplitude_m *= 1.01;
     let before = bench.rig.borrow().machine.flash.clone();
     bench.rig.borrow_mut().machine.watch_flash();
-    bench.client.steer(Act::SetSettings(second))?;
+    bench.client.steer(LinkAct::SetSettings(second))?;
     let saved = bench.rig.borrow().machine.flash.clone();
     let cuts = bench.rig.borrow_mut().machine.take_flash_cuts();
     must(!cuts.is_empty() && (cuts.len() as u32) < MOST, || {
@@ -38,7 +38,7 @@ pub fn power_cuts(setup: &Setup) -> Found {
         after.rig.borrow_mut().machine.set_flash(flash);
         after.advance_ms(100)?;
         after.client.hello()?;
-        let Answer::Settings(found) = after.client.ask(ToBoard::GetSettings)? else {
+        let LinkAnswer::Settings(found) = after.client.ask(ToBoard::GetSettings)? else {
             return Err("no settings in the answer".into());
         };
         let status = after.client.status()?;
@@ -99,7 +99,7 @@ pub fn slowest(setup: &Setup) -> Found {
 fn stored(setup: &Setup, bench: &mut Bench) -> Result<u64, Box<dyn std::error::Error>> {
     let mut settings = bench.scenario.settings;
     settings.rig.amplitude_m *= 1.01;
-    bench.client.steer(Act::SetSettings(settings))?;
+    bench.client.steer(LinkAct::SetSettings(settings))?;
     let flash = bench.rig.borrow().machine.flash.clone();
     let mut after = Bench::power_up(setup, wired())?;
     after.rig.borrow_mut().machine.set_flash(&flash);
@@ -107,7 +107,7 @@ fn stored(setup: &Setup, bench: &mut Bench) -> Result<u64, Box<dyn std::error::E
     after.client.hello()?;
     let found = after.client.ask(ToBoard::GetSettings)?;
     must(
-        matches!(found, Answer::Settings(s) if s == settings),
+        matches!(found, LinkAnswer::Settings(s) if s == settings),
         || format!("the settings sent were not stored: {found:?}"),
     )?;
     Ok(after.now())

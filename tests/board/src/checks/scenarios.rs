@@ -1,10 +1,10 @@
 //! Scenarios with faults in the closed loop.
 
-use emulator::log::Reader;
-use emulator::scenario::{Act, load};
+use emulator::log::LogReader;
+use emulator::scenario::{ScenarioAct, load};
 use files::made_from::MadeFrom;
 use host_sim::link::recording::record;
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use host_sim::replay::replay;
 use shared::control::{Command, Mode};
 
@@ -43,7 +43,7 @@ fn one(setup: &Setup, name: &str) -> Found {
     // The start comes over the link.
     scenario
         .events
-        .retain(|event| !matches!(event.act, Act::Start { .. }));
+        .retain(|event| !matches!(event.act, ScenarioAct::Start { .. }));
     let first = scenario.events.first().ok_or("no event")?.at_s;
     for event in &mut scenario.events {
         event.at_s += FAULT_S - first;
@@ -66,7 +66,7 @@ fn one(setup: &Setup, name: &str) -> Found {
     must(fault == wanted, || {
         format!("{fault:?} in {:?}, not {wanted:?}", status.state)
     })?;
-    let replayed = replay(&mut Reader::open(&log)?, &Progress::new("", 1, true))?;
+    let replayed = replay(&mut LogReader::open(&log)?, &ProgressLine::new("", 1, true))?;
     must(replayed.difference.is_none(), || {
         format!("the desktop decides otherwise: {:?}", replayed.difference)
     })?;

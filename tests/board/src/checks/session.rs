@@ -6,7 +6,7 @@ use std::rc::Rc;
 use emulator::scenario::{Scenario, load};
 use host_sim::link::client::Client;
 use shared::control::{Command, Mode, State, Status};
-use shared::link::{Act, Hello};
+use shared::link::{Hello, LinkAct};
 
 use super::Setup;
 use crate::machine::{Around, Change};
@@ -72,7 +72,7 @@ impl Bench {
         bench.client.open_session(false)?;
         bench
             .client
-            .steer(Act::SetSettings(bench.scenario.settings))?;
+            .steer(LinkAct::SetSettings(bench.scenario.settings))?;
         let status = bench.client.status()?;
         bench
             .client

@@ -2,7 +2,7 @@
 
 use shared::control::SettingsState;
 use shared::fault::Fault;
-use shared::link::Act;
+use shared::link::LinkAct;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -33,7 +33,7 @@ pub fn damaged(setup: &Setup) -> Found {
     let (mut bench, _) = Bench::idle(setup)?;
     let mut second = bench.scenario.settings;
     second.rig.amplitude_m *= 1.01;
-    bench.client.steer(Act::SetSettings(second))?;
+    bench.client.steer(LinkAct::SetSettings(second))?;
     let whole = bench.rig.borrow().machine.flash.clone();
     let damage = |slots: &[usize]| {
         let mut flash = whole.clone();

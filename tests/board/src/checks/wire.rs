@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use emulator::log::Reader;
+use emulator::log::LogReader;
 use files::made_from::MadeFrom;
 use host_sim::link::recording::record;
-use host_sim::progress::Progress;
+use host_sim::progress::ProgressLine;
 use host_sim::replay::replay;
 use shared::control::{Command, Mode, State};
 
@@ -59,7 +59,7 @@ pub fn disturbed(setup: &Setup) -> Found {
         TICKS,
         start(),
     )?;
-    let replayed = replay(&mut Reader::open(&log)?, &Progress::new("", 1, true))?;
+    let replayed = replay(&mut LogReader::open(&log)?, &ProgressLine::new("", 1, true))?;
     must(
         replayed.difference.is_none() && replayed.ticks >= TICKS,
         || format!("after it: {replayed:?}"),

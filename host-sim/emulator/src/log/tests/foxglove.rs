@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::super::channels::CHANNELS;
 use super::*;
-use crate::record::{Event, EventKind};
+use crate::record::{RunEvent, RunEventKind};
 
 const NS_PER_S: u64 = 1_000_000_000;
 
@@ -12,20 +12,20 @@ const NS_PER_S: u64 = 1_000_000_000;
 fn foxglove_gets_every_channel_and_the_peak() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.mcap");
-    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    let mut writer = mcap::McapWriter::create(&path, &header()).unwrap();
     let blocks = 400; // 4000 ticks, 0.2 s
     for k in 0..blocks {
         writer.block(&block(k)).unwrap();
     }
-    let contact = Contact {
+    let contact = TrueContact {
         onset_s: 0.0067,
         peak_force_n: 96.0,
-        ..Contact::default()
+        ..TrueContact::default()
     };
     writer.contact(&contact).unwrap();
     let text = "the gap widens".to_owned();
-    for (time_s, what) in [(2.1, EventKind::Scenario { text }), (2.15, fault_kind())] {
-        let event = Event {
+    for (time_s, what) in [(2.1, RunEventKind::Scenario { text }), (2.15, fault_kind())] {
+        let event = RunEvent {
             tick: 0,
             time_s,
             what,
@@ -91,7 +91,7 @@ fn foxglove_gets_every_channel_and_the_peak() {
 fn the_summary_has_every_channel_its_schema_and_the_count() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.mcap");
-    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    let mut writer = mcap::McapWriter::create(&path, &header()).unwrap();
     writer.block(&block(0)).unwrap();
     writer.finish().unwrap();
     let bytes = fs::read(&path).unwrap();
@@ -155,8 +155,8 @@ fn leaves<'a>(node: &'a Value, found: &mut Vec<&'a str>) {
     }
 }
 
-fn fault_kind() -> EventKind {
-    EventKind::Fault {
+fn fault_kind() -> RunEventKind {
+    RunEventKind::Fault {
         fault: Fault::OverForce,
         origin: Origin::Force,
         value: 400.0,
@@ -167,7 +167,7 @@ fn fault_kind() -> EventKind {
 fn an_unchanged_status_is_logged_ten_times_a_second() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("still.mcap");
-    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    let mut writer = mcap::McapWriter::create(&path, &header()).unwrap();
     for k in 0..2000 {
         let mut still = block(0);
         still.status = Some(Status {

@@ -9,7 +9,7 @@ mod tests;
 
 use crate::UserError;
 use cells::{Decimal, number, split};
-use quantity::{Named, Unit, of_name};
+use quantity::{NamedColumn, Unit, of_name};
 
 /// A table in the plain form.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +59,13 @@ struct Header<'a> {
     line: usize,
     separator: char,
     names: Vec<&'a str>,
-    known: Vec<Option<Named>>,
+    known: Vec<Option<NamedColumn>>,
 }
 
 /// A column that is read: where it is, and by what it is multiplied.
 struct Column {
     at: usize,
-    named: Named,
+    named: NamedColumn,
     unit: Option<Unit>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Header<'a> {
                 let mut known: Vec<_> = names.iter().map(|name| of_name(name)).collect();
                 // Of two columns of one quantity, the one that is called as here is read.
                 for i in 0..known.len() {
-                    let twin = |other: &Option<Named>| {
+                    let twin = |other: &Option<NamedColumn>| {
                         other.is_some_and(|other| {
                             other.plain
                                 && known[i].is_some_and(|own| {
@@ -179,7 +179,7 @@ fn unit_of(
     place: &str,
     line: usize,
     name: &str,
-    named: Named,
+    named: NamedColumn,
     below: Option<(usize, &str)>,
 ) -> Result<Option<Unit>, UserError> {
     let quantity = named.quantity;

@@ -1,7 +1,7 @@
 //! The quantities that measured tables hold, by the names and units that instruments and spreadsheets give them.
 
 /// A quantity: the column's name here, what else it may be called, and its units with the factor to the unit of the name.
-pub struct Quantity {
+pub struct ColumnQuantity {
     pub column: &'static str,
     names: &'static [&'static str],
     units: &'static [(&'static str, f64)],
@@ -20,8 +20,8 @@ const LENGTHS: &[(&str, f64)] = &[
     ("meter", 1e3),
 ];
 
-const QUANTITIES: &[Quantity] = &[
-    Quantity {
+const QUANTITIES: &[ColumnQuantity] = &[
+    ColumnQuantity {
         column: "time_s",
         names: &["time", "t"],
         units: &[
@@ -37,7 +37,7 @@ const QUANTITIES: &[Quantity] = &[
             ("milliseconds", 1e-3),
         ],
     },
-    Quantity {
+    ColumnQuantity {
         column: "force_n",
         names: &["force"],
         units: &[
@@ -48,27 +48,27 @@ const QUANTITIES: &[Quantity] = &[
             ("newtons", 1.0),
         ],
     },
-    Quantity {
+    ColumnQuantity {
         column: "displacement_mm",
         names: &["displacement", "hammer"],
         units: LENGTHS,
     },
-    Quantity {
+    ColumnQuantity {
         column: "cart_mm",
         names: &["cart"],
         units: LENGTHS,
     },
-    Quantity {
+    ColumnQuantity {
         column: "gap_mm",
         names: &["gap"],
         units: LENGTHS,
     },
-    Quantity {
+    ColumnQuantity {
         column: "frequency_hz",
         names: &["frequency", "freq"],
         units: &[("Hz", 1.0), ("kHz", 1e3), ("hertz", 1.0)],
     },
-    Quantity {
+    ColumnQuantity {
         column: "regime",
         names: &[],
         units: &[],
@@ -77,8 +77,8 @@ const QUANTITIES: &[Quantity] = &[
 
 /// What the name of a column says.
 #[derive(Clone, Copy)]
-pub struct Named {
-    pub quantity: &'static Quantity,
+pub struct NamedColumn {
+    pub quantity: &'static ColumnQuantity,
     /// The unit in the name.
     pub unit: Option<Unit>,
     /// It is the name used here, unit included.
@@ -93,9 +93,9 @@ pub struct Unit {
 }
 
 /// The quantity that a column's name says: `time_s`, `Time (ms)`, `force [kN]`, `displacement_m` or `Force`.
-pub fn of_name(name: &str) -> Option<Named> {
+pub fn of_name(name: &str) -> Option<NamedColumn> {
     if let Some(quantity) = QUANTITIES.iter().find(|q| q.column == name) {
-        return Some(Named {
+        return Some(NamedColumn {
             quantity,
             unit: quantity.units.first().map(unit),
             plain: true,
@@ -115,7 +115,7 @@ pub fn of_name(name: &str) -> Option<Named> {
         Some(unit) => Some(quantity.unit(unit)?),
         None => None,
     };
-    Some(Named {
+    Some(NamedColumn {
         quantity,
         unit,
         plain: false,
@@ -134,7 +134,7 @@ fn unit((name, factor): &(&'static str, f64)) -> Unit {
     }
 }
 
-impl Quantity {
+impl ColumnQuantity {
     /// The unit of that name, in brackets or not.
     pub fn unit(&self, text: &str) -> Option<Unit> {
         let text = bare(text);

@@ -5,10 +5,10 @@ use shared::model::rig::Rig;
 
 use super::graze::{Graze, Windows};
 use super::plane::Plane;
-use super::{Codimension, Condition, Point};
-use crate::continuation::march::Margins;
-use crate::orbit::{Image, Monodromy, Orbit, Section};
-use crate::reference::Contact;
+use super::{Codimension, Condition, TwoParameterPoint};
+use crate::continuation::march::ContactMargins;
+use crate::orbit::{Monodromy, Orbit, ReturnMapImage, Section};
+use crate::reference::LocatedContact;
 
 /// Section points are measured in so many A0 (and A0 ω), as along curves of orbits.
 const AMPLITUDES: f64 = 5.0;
@@ -26,15 +26,15 @@ pub struct System {
 }
 
 /// What an orbit shows, once its equations hold.
-pub struct Found {
+pub struct OrbitConditions {
     pub section: [f64; 2],
     pub impacts: u16,
     pub force_n: f64,
     pub monodromy: Monodromy,
     pub onsets: Vec<f64>,
-    pub margins: Margins,
+    pub margins: ContactMargins,
     pub leaving: Option<f64>,
-    pub flights: Option<Vec<Contact>>,
+    pub flights: Option<Vec<LocatedContact>>,
 }
 
 impl System {
@@ -99,7 +99,7 @@ impl System {
             return self.graze(x, params, hz).miss();
         }
         let section = self.section(x);
-        let image = Image::of(&params, hz, section, self.periods)?;
+        let image = ReturnMapImage::of(&params, hz, section, self.periods)?;
         let mut miss = image.miss(section)[..n - 2].to_vec();
         let monodromy = image.monodromy();
         miss.push(match self.condition {
@@ -110,14 +110,14 @@ impl System {
     }
 
     /// The point at `x`, where the equations hold. None if there is no such orbit after all.
-    pub fn point(&self, x: Vec<f64>, tangent: Vec<f64>) -> Option<Point> {
+    pub fn point(&self, x: Vec<f64>, tangent: Vec<f64>) -> Option<TwoParameterPoint> {
         let n = x.len();
         let (values, params, frequency_hz) = self.plane.at_places([x[n - 2], x[n - 1]])?;
         let found = if self.condition == Condition::Grazing {
             self.graze(&x, params, frequency_hz).found()?
         } else {
             let section = self.section(&x);
-            let image = Image::of(&params, frequency_hz, section, self.periods)?;
+            let image = ReturnMapImage::of(&params, frequency_hz, section, self.periods)?;
             of_orbit(&image.orbit(frequency_hz, section)?)
         };
         let tests = [
@@ -125,7 +125,7 @@ impl System {
             found.monodromy.fold_test(),
             found.monodromy.slope_at_one(),
         ];
-        Some(Point {
+        Some(TwoParameterPoint {
             params,
             frequency_hz,
             values,
@@ -154,15 +154,15 @@ impl System {
     }
 }
 
-fn of_orbit(orbit: &Orbit) -> Found {
+fn of_orbit(orbit: &Orbit) -> OrbitConditions {
     let contacts = orbit.seen.contacts.iter();
-    Found {
+    OrbitConditions {
         section: orbit.section,
         impacts: orbit.impacts,
         force_n: orbit.force_n,
         monodromy: orbit.monodromy,
         onsets: contacts.map(|c| c.onset_s * orbit.frequency_hz).collect(),
-        margins: Margins::of(orbit),
+        margins: ContactMargins::of(orbit),
         leaving: None,
         flights: None,
     }

@@ -2,8 +2,11 @@
 
 use super::graze::Windows;
 use super::starts::Seed;
-use super::{Codimension, Condition, Curve, Point, System, ahead, dot, length, marks, minus};
-use crate::continuation::End;
+use super::{
+    Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint, ahead, dot, length,
+    marks, minus,
+};
+use crate::continuation::CurveEnd;
 use crate::continuation::march::Break;
 use crate::error::Error;
 use crate::progress::{Progress, check, step};
@@ -25,15 +28,15 @@ const OTHER: f64 = 0.08;
 ///
 /// # Errors
 /// If the work is interrupted.
-pub fn followed(seeds: &[Seed], progress: &dyn Progress) -> Result<Vec<Curve>, Error> {
-    let mut curves: Vec<Curve> = Vec::new();
+pub fn followed(seeds: &[Seed], progress: &dyn Progress) -> Result<Vec<TwoParameterCurve>, Error> {
+    let mut curves: Vec<TwoParameterCurve> = Vec::new();
     for seed in seeds {
         if !curves.iter().any(|curve| curve.passes(seed)) {
             curves.push(follow(seed, progress)?);
         }
         step(progress, 1)?;
     }
-    let order = |c: &Curve| {
+    let order = |c: &TwoParameterCurve| {
         let kind = Condition::ALL.iter().position(|k| *k == c.condition);
         (kind, c.periods, c.impacts())
     };
@@ -45,7 +48,7 @@ pub fn followed(seeds: &[Seed], progress: &dyn Progress) -> Result<Vec<Curve>, E
 ///
 /// # Errors
 /// If the work is interrupted.
-pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<Curve, Error> {
+pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<TwoParameterCurve, Error> {
     let start = &seed.point;
     let back = start.clone().turned();
     let ((onwards, high), (behind, low)) = rayon::join(
@@ -53,15 +56,19 @@ pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<Curve, Error> {
         || march(seed.system, &back, progress),
     );
     check(progress)?;
-    let (behind, low) = if high == End::Closed {
-        (Vec::new(), End::Closed)
+    let (behind, low) = if high == CurveEnd::Closed {
+        (Vec::new(), CurveEnd::Closed)
     } else {
         (behind, low)
     };
-    let mut points: Vec<Point> = behind.into_iter().rev().map(Point::turned).collect();
+    let mut points: Vec<TwoParameterPoint> = behind
+        .into_iter()
+        .rev()
+        .map(TwoParameterPoint::turned)
+        .collect();
     points.push(start.clone());
     points.extend(onwards);
-    let mut curve = Curve {
+    let mut curve = TwoParameterCurve {
         condition: seed.system.condition,
         periods: seed.system.periods,
         points,
@@ -72,9 +79,9 @@ pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<Curve, Error> {
     Ok(curve)
 }
 
-impl Curve {
+impl TwoParameterCurve {
     /// Its points at one value of one of the parameters (0 or 1).
-    pub fn at(&self, parameter: usize, value: f64) -> Vec<Point> {
+    pub fn at(&self, parameter: usize, value: f64) -> Vec<TwoParameterPoint> {
         let place = self.system.plane.dimensions[parameter].place(value);
         let pairs = self.points.windows(2).filter_map(|pair| {
             let (a, b) = (&pair[0], &pair[1]);
@@ -127,7 +134,7 @@ impl Curve {
 }
 
 /// `system` with the flights around the touch at `point`.
-pub fn adapted(system: System, point: &Point) -> System {
+pub fn adapted(system: System, point: &TwoParameterPoint) -> System {
     let mut system = system;
     if let (Condition::Grazing, Some(contacts)) = (system.condition, &point.flights) {
         let phase = point.x[0].rem_euclid(1.0);
@@ -137,10 +144,14 @@ pub fn adapted(system: System, point: &Point) -> System {
 }
 
 /// The points from `seed` on (without it), and what ends them.
-fn march(system: System, seed: &Point, progress: &dyn Progress) -> (Vec<Point>, End) {
-    let mut points: Vec<Point> = Vec::new();
+fn march(
+    system: System,
+    seed: &TwoParameterPoint,
+    progress: &dyn Progress,
+) -> (Vec<TwoParameterPoint>, CurveEnd) {
+    let mut points: Vec<TwoParameterPoint> = Vec::new();
     let mut last = seed.clone();
-    let mut before: Option<Point> = None;
+    let mut before: Option<TwoParameterPoint> = None;
     let mut stride = 0.5 * STRIDE;
     while points.len() < MOST && !progress.interrupted() {
         let system = adapted(system, &last);
@@ -160,27 +171,27 @@ fn march(system: System, seed: &Point, progress: &dyn Progress) -> (Vec<Point>, 
         if let Some(cut) = at_limit(&system, &last, &next) {
             points.extend(marks::between(&system, &last, &cut));
             points.push(cut);
-            return (points, End::Limit);
+            return (points, CurveEnd::Limit);
         }
         points.extend(marks::between(&system, &last, &next));
         let closed = back_at(seed, &last, &next);
         points.push(next.clone());
         if closed {
-            return (points, End::Closed);
+            return (points, CurveEnd::Closed);
         }
         before = Some(std::mem::replace(&mut last, next));
         stride = (1.5 * stride).min(STRIDE);
     }
-    (points, End::Lost)
+    (points, CurveEnd::Lost)
 }
 
-fn heading(before: &Point, last: &Point) -> Option<Break> {
+fn heading(before: &TwoParameterPoint, last: &TwoParameterPoint) -> Option<Break> {
     let apart = length(&minus(&last.x, &before.x));
     Break::ahead(apart, &before.margins, &last.margins)
 }
 
 /// The next point, if it is one of the same curve: the same contacts, and no sharp turn.
-fn next(system: &System, last: &Point, stride: f64) -> Option<Point> {
+fn next(system: &System, last: &TwoParameterPoint, stride: f64) -> Option<TwoParameterPoint> {
     let guess = ahead(&last.x, stride, &last.tangent);
     let next = system.correct(&guess, &last.tangent)?;
     let moved = minus(&next.x, &last.x);
@@ -192,7 +203,7 @@ fn next(system: &System, last: &Point, stride: f64) -> Option<Point> {
 }
 
 /// Whether both have the same contacts, at about the same phases.
-fn alike(a: &Point, b: &Point, round: f64) -> bool {
+fn alike(a: &TwoParameterPoint, b: &TwoParameterPoint, round: f64) -> bool {
     let apart = |x: f64, y: f64| {
         let off = (x - y).rem_euclid(round);
         off.min(round - off)
@@ -207,16 +218,20 @@ fn alike(a: &Point, b: &Point, round: f64) -> bool {
 }
 
 /// No further point was found: what is near at the last.
-fn ended(last: &Point, before: Option<&Point>) -> End {
+fn ended(last: &TwoParameterPoint, before: Option<&TwoParameterPoint>) -> CurveEnd {
     /// What is predicted nearer than this has ended the curve.
     const NEAR: f64 = 1e-4;
     let near = before.and_then(|b| heading(b, last));
     near.filter(|near| near.distance < NEAR)
-        .map_or(End::Lost, |near| near.end)
+        .map_or(CurveEnd::Lost, |near| near.end)
 }
 
 /// The curve cut at the limit that lies between `last` and `next`.
-fn at_limit(system: &System, last: &Point, next: &Point) -> Option<Point> {
+fn at_limit(
+    system: &System,
+    last: &TwoParameterPoint,
+    next: &TwoParameterPoint,
+) -> Option<TwoParameterPoint> {
     let mut nearest: Option<(f64, usize, f64)> = None;
     let (from, to) = (last.parameters(), next.parameters());
     for k in 0..2 {
@@ -239,7 +254,7 @@ fn at_limit(system: &System, last: &Point, next: &Point) -> Option<Point> {
 }
 
 /// Whether the step from `last` to `next` has come back to `seed`.
-fn back_at(seed: &Point, last: &Point, next: &Point) -> bool {
+fn back_at(seed: &TwoParameterPoint, last: &TwoParameterPoint, next: &TwoParameterPoint) -> bool {
     let step = minus(&next.x, &last.x);
     let to_seed = minus(&seed.x, &last.x);
     let share = dot(&to_seed, &step) / dot(&step, &step);
@@ -254,12 +269,14 @@ fn back_at(seed: &Point, last: &Point, next: &Point) -> bool {
 }
 
 /// What ends a curve, as a second condition.
-pub fn mark_of(system: &System, end: End, last: &Point) -> Option<Codimension> {
+pub fn mark_of(system: &System, end: CurveEnd, last: &TwoParameterPoint) -> Option<Codimension> {
     /// A touch left slower than this, over A0 Ω², is about to be none.
     const PRESSED: f64 = 1e-3;
     match end {
-        End::Special(_) => Some(system.with_graze()),
-        End::Lost if last.leaving.is_some_and(|a| a < PRESSED) => Some(Codimension::PressedGraze),
+        CurveEnd::Special(_) => Some(system.with_graze()),
+        CurveEnd::Lost if last.leaving.is_some_and(|a| a < PRESSED) => {
+            Some(Codimension::PressedGraze)
+        }
         _ => None,
     }
 }

@@ -9,12 +9,12 @@
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::conditions::Found;
-use crate::continuation::march::Margins;
+use super::conditions::OrbitConditions;
+use crate::continuation::march::ContactMargins;
 use crate::dual::Dual;
 use crate::flow::Scalar;
-use crate::orbit::{Monodromy, Section, Watch};
-use crate::reference::{Contact, Observer, Reference};
+use crate::orbit::{Monodromy, OrbitWatch, Section};
+use crate::reference::{LocatedContact, Reference, TrajectoryObserver};
 
 /// The flights from and to the touch in which no other contact is near, drive periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ const WIDEST: f64 = 0.05;
 
 impl Windows {
     /// Half of the flights between the touch at `phase` and the contacts `seen` from then on, in `periods`.
-    pub fn between(seen: &[Contact], frequency_hz: f64, phase: f64, periods: u8) -> Self {
+    pub fn between(seen: &[LocatedContact], frequency_hz: f64, phase: f64, periods: u8) -> Self {
         let (Some(first), Some(last)) = (seen.first(), seen.last()) else {
             return Self::default();
         };
@@ -76,7 +76,11 @@ impl Graze {
     }
 
     /// From `start` at the touch to the next touch; what is between the two windows is watched.
-    fn around<R: Scalar>(&self, start: [R; 4], watch: &mut impl Observer) -> Option<[R; 4]> {
+    fn around<R: Scalar>(
+        &self,
+        start: [R; 4],
+        watch: &mut impl TrajectoryObserver,
+    ) -> Option<[R; 4]> {
         let Windows { after, before } = self.windows;
         let whole = f64::from(self.periods);
         let phase = self.phase.rem_euclid(1.0);
@@ -116,7 +120,7 @@ impl Graze {
         state: [R; 4],
         from: f64,
         turns: f64,
-        watch: &mut impl Observer,
+        watch: &mut impl TrajectoryObserver,
     ) -> Option<[R; 4]> {
         let [q, v, e, w] = state;
         let phase = from.rem_euclid(1.0);
@@ -153,7 +157,7 @@ impl Graze {
     }
 
     /// What the orbit shows, with the derivative of the return map on the side without the touch.
-    pub fn found(&self) -> Option<Found> {
+    pub fn found(&self) -> Option<OrbitConditions> {
         if self.params.cart.recoils() {
             self.found_along::<4>()
         } else {
@@ -161,7 +165,7 @@ impl Graze {
         }
     }
 
-    fn found_along<const N: usize>(&self) -> Option<Found> {
+    fn found_along<const N: usize>(&self) -> Option<OrbitConditions> {
         let rig = self.rig()?;
         let start = self.start(&rig);
         let variables = [0, 1, 2, 3].map(|i| {
@@ -171,7 +175,7 @@ impl Graze {
                 Dual::constant(start[i])
             }
         });
-        let mut seen = Watch::default();
+        let mut seen = OrbitWatch::default();
         let end = self.around(variables, &mut seen)?;
         let rate = std::f64::consts::TAU * self.frequency_hz;
         let (scale, metre) = (rig.coordinate_scale(), rig.amplitude());
@@ -189,13 +193,13 @@ impl Graze {
         for contact in &mut seen.contacts {
             contact.onset_s += begun / hz;
         }
-        Some(Found {
+        Some(OrbitConditions {
             section: self.section(&rig)?,
             impacts: seen.contacts.len() as u16,
             force_n: (seen.contacts.iter()).fold(0.0, |most, c| most.max(c.peak_force_n)),
             monodromy: Monodromy::new(N, derivative),
             onsets: (seen.contacts.iter()).map(|c| c.onset_s * hz).collect(),
-            margins: Margins::new(&seen, period_s),
+            margins: ContactMargins::new(&seen, period_s),
             flights: Some(seen.contacts),
             leaving: Some(-self.acceleration(&rig)? / (metre * rate * rate)),
         })

@@ -1,19 +1,25 @@
 //! Points of codimension two: where a curve has a second condition.
 
 use super::follow::mark_of;
-use super::{Codimension, Condition, Curve, Point, System, ahead, dot, length, minus};
+use super::{
+    Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint, ahead, dot, length, minus,
+};
 use crate::root::false_position;
 
 /// A mark is located to this far along the curve.
 const TOLERANCE: f64 = 1e-9;
 
 /// A function of a point that passes 0 at a mark.
-type Test<'a> = Box<dyn Fn(&Point) -> f64 + 'a>;
+type Test<'a> = Box<dyn Fn(&TwoParameterPoint) -> f64 + 'a>;
 
 /// The marks between two neighbouring points, in their order.
-pub fn between(system: &System, a: &Point, b: &Point) -> Vec<Point> {
-    let doubling: fn(&Point) -> f64 = |p| p.tests[0];
-    let fold: fn(&Point) -> f64 = |p| p.tests[1];
+pub fn between(
+    system: &System,
+    a: &TwoParameterPoint,
+    b: &TwoParameterPoint,
+) -> Vec<TwoParameterPoint> {
+    let doubling: fn(&TwoParameterPoint) -> f64 = |p| p.tests[0];
+    let fold: fn(&TwoParameterPoint) -> f64 = |p| p.tests[1];
     let mut tests: Vec<(Codimension, Test)> = Vec::new();
     match system.condition {
         Condition::PeriodDoubling => tests.push((Codimension::FoldDoubling, Box::new(fold))),
@@ -34,7 +40,7 @@ pub fn between(system: &System, a: &Point, b: &Point) -> Vec<Point> {
             tests.push((Codimension::DoublingGraze, Box::new(doubling)));
         }
     }
-    let mut found: Vec<Point> = tests
+    let mut found: Vec<TwoParameterPoint> = tests
         .into_iter()
         .filter_map(|(kind, test)| {
             let mut point = root(system, a, b, &test)?;
@@ -43,19 +49,24 @@ pub fn between(system: &System, a: &Point, b: &Point) -> Vec<Point> {
             (kind != Codimension::Cusp || still).then_some(point)
         })
         .collect();
-    let along = |p: &Point| dot(&minus(&p.x, &a.x), &a.tangent);
+    let along = |p: &TwoParameterPoint| dot(&minus(&p.x, &a.x), &a.tangent);
     found.sort_by(|p, q| along(p).total_cmp(&along(q)));
     found
 }
 
 /// How both parameters go on along the curve.
-fn shift(point: &Point) -> Vec<f64> {
+fn shift(point: &TwoParameterPoint) -> Vec<f64> {
     let n = point.tangent.len();
     point.tangent[n - 2..].to_vec()
 }
 
 /// The point between `a` and `b` at which `test` passes 0, if it does.
-fn root(system: &System, a: &Point, b: &Point, test: &Test) -> Option<Point> {
+fn root(
+    system: &System,
+    a: &TwoParameterPoint,
+    b: &TwoParameterPoint,
+    test: &Test,
+) -> Option<TwoParameterPoint> {
     let chord = minus(&b.x, &a.x);
     let at = |s| {
         let point = system.correct(&ahead(&a.x, s, &chord), &a.tangent)?;
@@ -68,7 +79,7 @@ fn root(system: &System, a: &Point, b: &Point, test: &Test) -> Option<Point> {
 }
 
 /// Marks the first and the last point, where what ends the curve there is a second condition.
-pub fn at_ends(curve: &mut Curve) {
+pub fn at_ends(curve: &mut TwoParameterCurve) {
     let [low, high] = curve.ends;
     let system = curve.system;
     for (end, first) in [(low, true), (high, false)] {

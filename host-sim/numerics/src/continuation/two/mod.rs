@@ -27,9 +27,9 @@ mod tests;
 use serde::Serialize;
 use shared::model::params::RigParams;
 
-use super::End;
-use super::march::Margins;
-use crate::reference::Contact;
+use super::CurveEnd;
+use super::march::ContactMargins;
+use crate::reference::LocatedContact;
 use conditions::System;
 
 pub use follow::{follow, followed};
@@ -108,7 +108,7 @@ impl Codimension {
 
 /// A point of a curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct TwoParameterPoint {
     /// The rig there.
     pub params: RigParams,
     /// Drive frequency, Hz.
@@ -136,11 +136,11 @@ pub struct Point {
     /// Onsets, drive periods.
     onsets: Vec<f64>,
     /// Of a graze: the contacts from the touch on.
-    flights: Option<Vec<Contact>>,
-    margins: Margins,
+    flights: Option<Vec<LocatedContact>>,
+    margins: ContactMargins,
 }
 
-impl Point {
+impl TwoParameterPoint {
     /// The two parameters as unknowns.
     fn parameters(&self) -> [f64; 2] {
         let n = self.x.len();
@@ -155,26 +155,26 @@ impl Point {
 
 /// A curve.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct TwoParameterCurve {
     /// What holds along it.
     pub condition: Condition,
     /// Drive periods of its orbits.
     pub periods: u8,
     /// Its points, in order along it.
-    pub points: Vec<Point>,
+    pub points: Vec<TwoParameterPoint>,
     /// How it ends, at the first and at the last point.
-    pub ends: [End; 2],
+    pub ends: [CurveEnd; 2],
     system: System,
 }
 
-impl Curve {
+impl TwoParameterCurve {
     /// Contacts of its orbits; on a graze without the touch.
     pub fn impacts(&self) -> u16 {
         self.points.first().map_or(0, |p| p.impacts)
     }
 
     /// The points with a second condition.
-    pub fn marks(&self) -> impl Iterator<Item = (&Point, Codimension)> {
+    pub fn marks(&self) -> impl Iterator<Item = (&TwoParameterPoint, Codimension)> {
         self.points.iter().filter_map(|p| Some((p, p.mark?)))
     }
 }

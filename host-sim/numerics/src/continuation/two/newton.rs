@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::conditions::System;
-use super::{Point, dot, length, minus};
+use super::{TwoParameterPoint, dot, length, minus};
 
 /// Newton steps of one correction.
 const ITERATIONS: usize = 10;
@@ -17,7 +17,7 @@ const DIFFERENCE: f64 = 1e-7;
 
 impl System {
     /// The point in the plane through `guess` normal to `direction`; its tangent points along `direction`.
-    pub fn correct(&self, guess: &[f64], direction: &[f64]) -> Option<Point> {
+    pub fn correct(&self, guess: &[f64], direction: &[f64]) -> Option<TwoParameterPoint> {
         let n = guess.len();
         let mut x = guess.to_vec();
         for _ in 0..ITERATIONS {
@@ -84,7 +84,7 @@ impl System {
     }
 
     /// The point at fixed values of one of the parameters, near `guess`.
-    pub fn correct_at(&self, guess: &[f64], parameter: usize) -> Option<Point> {
+    pub fn correct_at(&self, guess: &[f64], parameter: usize) -> Option<TwoParameterPoint> {
         let n = guess.len();
         let mut direction = vec![0.0; n];
         direction[n - 2 + parameter] = 1.0;

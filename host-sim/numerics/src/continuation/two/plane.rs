@@ -2,7 +2,7 @@
 
 use shared::model::params::RigParams;
 
-use crate::continuation::Drive;
+use crate::continuation::FamilyDrive;
 use crate::knob::Knob;
 
 /// What a parameter is.
@@ -119,7 +119,7 @@ pub struct Plane {
     /// The rig; what is varied of it is not used.
     pub params: RigParams,
     /// The drive, where neither parameter is the drive's.
-    pub drive: Drive,
+    pub drive: FamilyDrive,
     /// The parameters: the one of the one-parameter curves, and the other.
     pub dimensions: [Dimension; 2],
 }
@@ -131,8 +131,8 @@ impl Plane {
         let mut drive = self.drive;
         for (dimension, value) in self.dimensions.iter().zip(values) {
             match dimension.varied {
-                Varied::Ratio => drive = Drive::Ratio(value),
-                Varied::Frequency => drive = Drive::Hz(value),
+                Varied::Ratio => drive = FamilyDrive::Ratio(value),
+                Varied::Frequency => drive = FamilyDrive::Hz(value),
                 Varied::Rig(knob) => params = knob.set(&params, value)?,
             }
         }

@@ -3,26 +3,26 @@
 use super::conditions::System;
 use super::graze::{Windows, carried};
 use super::plane::{Plane, Scale, Varied};
-use super::{Condition, Point};
+use super::{Condition, TwoParameterPoint};
 use crate::continuation::diagram::{OrbitsRequest, diagram};
 use crate::continuation::family::Node;
-use crate::continuation::{Along, Diagram, Drive, Special};
+use crate::continuation::{Along, FamilyDrive, OrbitDiagram, Special};
 use crate::error::Error;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
-use crate::reference::Contact;
+use crate::reference::LocatedContact;
 
 /// A point from which a curve is followed.
 #[derive(Clone, Debug)]
 pub struct Seed {
     pub(super) system: System,
     /// The point.
-    pub point: Point,
+    pub point: TwoParameterPoint,
 }
 
 /// Special points of the one-parameter curves at one value of the second parameter.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct SpecialPoints {
     /// Those from which a curve can be followed.
     pub seeds: Vec<Seed>,
     /// How many could not be refined.
@@ -43,8 +43,8 @@ pub fn seeds(
     values: &[f64],
     search: &OrbitsRequest,
     progress: &dyn Progress,
-) -> Result<Found, Error> {
-    let mut found = Found::default();
+) -> Result<SpecialPoints, Error> {
+    let mut found = SpecialPoints::default();
     for value in values {
         let at = one_parameter(plane, *value, search, progress)?;
         found.simulations += at.simulations;
@@ -70,14 +70,14 @@ pub fn one_parameter(
     value: f64,
     search: &OrbitsRequest,
     progress: &dyn Progress,
-) -> Result<Diagram, Error> {
+) -> Result<OrbitDiagram, Error> {
     let first = plane.dimensions[0];
     let (params, hz) = plane
         .at([first.range.0, value])
         .unwrap_or((plane.params, plane.drive.hz(&plane.params)));
     let drive = match plane.dimensions[1].varied {
-        Varied::Ratio => Drive::Ratio(value),
-        Varied::Frequency => Drive::Hz(hz),
+        Varied::Ratio => FamilyDrive::Ratio(value),
+        Varied::Frequency => FamilyDrive::Hz(hz),
         Varied::Rig(_) => plane.drive,
     };
     let (from, to) = first.range;
@@ -101,7 +101,13 @@ pub fn one_parameter(
 }
 
 /// The seed at a special point of a one-parameter curve.
-fn seed(plane: &Plane, at: &Diagram, node: &Node, special: Special, second: f64) -> Option<Seed> {
+fn seed(
+    plane: &Plane,
+    at: &OrbitDiagram,
+    node: &Node,
+    special: Special,
+    second: f64,
+) -> Option<Seed> {
     let unit = match (at.request.along, plane.dimensions[0].varied) {
         (Along::Rig { unit, .. }, _) => unit,
         (_, Varied::Frequency) => at.params.natural_frequency_hz(),
@@ -137,11 +143,11 @@ fn seed(plane: &Plane, at: &Diagram, node: &Node, special: Special, second: f64)
 
 /// When (drive periods) an orbit touches without a blow, and with which of its contacts, if it is one that is about to be
 /// missed.
-fn touch(orbit: &Orbit, special: Special) -> Option<(f64, Option<Contact>)> {
+fn touch(orbit: &Orbit, special: Special) -> Option<(f64, Option<LocatedContact>)> {
     if special == Special::GrazingGained {
         return Some((orbit.seen.near_miss_at?, None));
     }
-    let slow = |a: &&Contact, b: &&Contact| {
+    let slow = |a: &&LocatedContact, b: &&LocatedContact| {
         a.approach_speed_m_per_s
             .total_cmp(&b.approach_speed_m_per_s)
     };
@@ -151,7 +157,7 @@ fn touch(orbit: &Orbit, special: Special) -> Option<(f64, Option<Contact>)> {
 }
 
 /// The flights between a touch and the other contacts.
-fn windows(orbit: &Orbit, touch: f64, lost: Option<Contact>) -> Windows {
+fn windows(orbit: &Orbit, touch: f64, lost: Option<LocatedContact>) -> Windows {
     let round = f64::from(orbit.periods);
     let widest = Windows::default();
     let others = orbit.seen.contacts.iter().filter(|c| Some(**c) != lost);

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::{Codimension, Condition, Curve, Plane, Point};
-use crate::continuation::End;
+use super::{Codimension, Condition, Plane, TwoParameterCurve, TwoParameterPoint};
+use crate::continuation::CurveEnd;
 use crate::row::CartModel;
 use crate::row::tidy;
 
 /// A point of a curve. Units are in the names, or in the name of the parameter beside a value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PointRow {
+pub struct CurvePointRow {
     /// Name of the curve: its condition and a number.
     pub curve: String,
     /// What holds along it.
@@ -54,7 +54,7 @@ pub struct PointRow {
 
 /// A curve as a whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CurveRow {
+pub struct TwoParameterCurveRow {
     /// Its name.
     pub curve: String,
     /// What holds along it.
@@ -70,12 +70,12 @@ pub struct CurveRow {
     /// Smallest and largest value of the second parameter.
     pub range_2: [f64; 2],
     /// How it ends on either side.
-    pub ends: [End; 2],
+    pub ends: [CurveEnd; 2],
 }
 
 /// Curves over two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct CurvesAnswer {
     /// Name of the rig.
     pub rig: String,
     /// How the cart is moved.
@@ -85,11 +85,11 @@ pub struct Answer {
     /// The second parameter, with its unit.
     pub parameter_2: &'static str,
     /// The curves.
-    pub curves: Vec<CurveRow>,
+    pub curves: Vec<TwoParameterCurveRow>,
     /// Points with a second condition.
-    pub codimension_two: Vec<PointRow>,
+    pub codimension_two: Vec<CurvePointRow>,
     /// Every point.
-    pub points: Vec<PointRow>,
+    pub points: Vec<CurvePointRow>,
     /// Values of the second parameter at which one-parameter curves were searched for special points.
     pub searched_at: Vec<f64>,
     /// Special points found there from which no curve could be followed.
@@ -100,9 +100,9 @@ pub struct Answer {
     pub failed_simulations: usize,
 }
 
-impl Answer {
+impl CurvesAnswer {
     /// Of the curves over `plane` of the rig called `name`; how they were searched for is the caller's to add.
-    pub fn new(name: &str, plane: &Plane, curves: &[Curve]) -> Self {
+    pub fn new(name: &str, plane: &Plane, curves: &[TwoParameterCurve]) -> Self {
         let names: Vec<String> = (curves.iter().enumerate())
             .map(|(i, curve)| {
                 let before = curves[..i]
@@ -112,7 +112,7 @@ impl Answer {
             })
             .collect();
         let [first, second] = plane.dimensions.map(|d| d.varied.name());
-        let points: Vec<PointRow> = (curves.iter().zip(&names))
+        let points: Vec<CurvePointRow> = (curves.iter().zip(&names))
             .flat_map(|(curve, name)| {
                 let rows = curve.points.iter().enumerate();
                 rows.map(|(i, p)| point_row(curve, name, i + 1, p, [first, second]))
@@ -138,13 +138,13 @@ impl Answer {
     }
 }
 
-fn curve_row(curve: &Curve, name: &str) -> CurveRow {
+fn curve_row(curve: &TwoParameterCurve, name: &str) -> TwoParameterCurveRow {
     let range = |k: usize| {
         let values = curve.points.iter().map(|p| p.values[k]);
         let low = values.clone().fold(f64::INFINITY, f64::min);
         [low, values.fold(f64::NEG_INFINITY, f64::max)].map(tidy)
     };
-    CurveRow {
+    TwoParameterCurveRow {
         curve: name.to_owned(),
         condition: curve.condition,
         impacts: curve.impacts(),
@@ -157,12 +157,12 @@ fn curve_row(curve: &Curve, name: &str) -> CurveRow {
 }
 
 fn point_row(
-    curve: &Curve,
+    curve: &TwoParameterCurve,
     name: &str,
     number: usize,
-    point: &Point,
+    point: &TwoParameterPoint,
     [first, second]: [&'static str; 2],
-) -> PointRow {
+) -> CurvePointRow {
     let params = &point.params;
     let moved = shared::model::rig::Rig::<f64>::new(params).ok().map(|rig| {
         let [q, v] = point.section;
@@ -173,7 +173,7 @@ fn point_row(
     });
     let (displacement_mm, velocity_m_per_s) = moved.unwrap_or((f64::NAN, f64::NAN));
     let [(a_re, a_im), (b_re, b_im)] = point.multipliers;
-    PointRow {
+    CurvePointRow {
         curve: name.to_owned(),
         condition: curve.condition,
         point: number,

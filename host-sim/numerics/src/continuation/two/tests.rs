@@ -3,7 +3,7 @@ use shared::model::params::{BEAM_150, RigParams, SupportParams, WIRES};
 
 use super::starts::one_parameter;
 use super::*;
-use crate::continuation::{Along, Drive, OrbitsRequest, Special};
+use crate::continuation::{Along, FamilyDrive, OrbitsRequest, Special};
 use crate::knob::Knob;
 
 const SEARCH: OrbitsRequest = OrbitsRequest {
@@ -23,19 +23,19 @@ fn over(params: RigParams, first: (Varied, f64, f64), second: (Varied, f64, f64)
     let dimension = |(varied, from, to)| Dimension::new(varied, (from, to), false, &params);
     Plane {
         params,
-        drive: Drive::Ratio(2.0),
+        drive: FamilyDrive::Ratio(2.0),
         dimensions: [dimension(first), dimension(second)],
     }
 }
 
-fn curves(plane: &Plane, at: &[f64]) -> Vec<Curve> {
+fn curves(plane: &Plane, at: &[f64]) -> Vec<TwoParameterCurve> {
     let found = seeds(plane, at, &SEARCH, &()).unwrap();
     assert_eq!(found.refused, 0);
     followed(&found.seeds, &()).unwrap()
 }
 
 /// The special points of one-parameter runs at values of the second parameter that the curve was not begun at are on it.
-fn on_one_parameter_runs(plane: &Plane, curves: &[Curve], values: &[f64]) -> usize {
+fn on_one_parameter_runs(plane: &Plane, curves: &[TwoParameterCurve], values: &[f64]) -> usize {
     let mut compared = 0;
     for value in values {
         let alone = one_parameter(plane, *value, &SEARCH, &()).unwrap();
@@ -103,7 +103,7 @@ fn two_parameters_of_the_rig_are_followed_at_one_ratio() {
         (rig("gap_mm"), 0.5, 3.0),
         (rig("amplitude_mm"), 0.7, 1.2),
     );
-    plane.drive = Drive::Ratio(2.2);
+    plane.drive = FamilyDrive::Ratio(2.2);
     let found = curves(&plane, &[0.89]);
     assert!(!found.is_empty());
     let compared = on_one_parameter_runs(&plane, &found, &[1.0]);

@@ -6,7 +6,7 @@ use shared::model::cart::CartDrive;
 
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
-use super::branch::Case;
+use super::branch::DrillCase;
 use crate::uncertainty::Uncertainty;
 
 /// The answer about the ground. Units are in the names.
@@ -75,7 +75,7 @@ pub struct RateSensitivity {
 }
 
 /// A parameter, what it is changed by, and how.
-type Change = (&'static str, &'static str, fn(&mut Case, f64));
+type Change = (&'static str, &'static str, fn(&mut DrillCase, f64));
 
 /// By so many percent (or 0.01 mm) either way differences are taken.
 const BY: f64 = 0.1;
@@ -121,7 +121,7 @@ const CHANGES: [Change; 10] = [
 
 /// Change of the rate of `orbit` with each parameter, the one that leaves it most open first.
 pub fn rate_sensitivity(
-    case: &Case,
+    case: &DrillCase,
     orbit: &DrillOrbit,
     uncertainty: Option<Uncertainty>,
     ground: GroundUncertainty,

@@ -7,7 +7,7 @@ use shared::model::slider::Slider;
 use super::super::orbit::{DrillOrbit, shoot};
 use super::super::run::{observe, settle};
 use super::observe::on;
-use crate::branch::{Edge, End};
+use crate::branch::{BranchEdge, BranchEnd};
 use crate::orbit::Section;
 use crate::root::{largest, stretch};
 
@@ -26,7 +26,7 @@ const RECORDED: u32 = 48;
 
 /// Hammer, ground and bit.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub struct DrillCase {
     /// The rig.
     pub params: RigParams,
     /// The ground.
@@ -35,7 +35,7 @@ pub struct Case {
     pub bit: Option<Bit<f64>>,
 }
 
-impl Case {
+impl DrillCase {
     /// The 1/1 near `guess` at `hz`, if it is stable.
     pub fn one_one(&self, hz: f64, guess: &DrillOrbit) -> Option<DrillOrbit> {
         let found = self.orbit(hz, guess.section)?;
@@ -51,18 +51,18 @@ impl Case {
 /// A stretch of stable 1/1 orbits, by rising frequency.
 #[derive(Clone, Debug)]
 pub struct GroundBranch {
-    case: Case,
+    case: DrillCase,
     /// Orbits along it, the ends included.
     pub orbits: Vec<DrillOrbit>,
     /// Its lower end.
-    pub low: Edge,
+    pub low: BranchEdge,
     /// Its upper end.
-    pub high: Edge,
+    pub high: BranchEdge,
 }
 
 impl GroundBranch {
     /// Follows the 1/1 `seed` both ways within `limits_hz`.
-    pub fn follow(case: Case, seed: DrillOrbit, limits_hz: (f64, f64)) -> Self {
+    pub fn follow(case: DrillCase, seed: DrillOrbit, limits_hz: (f64, f64)) -> Self {
         let (mut orbits, low) = follow(&case, seed, limits_hz.0);
         orbits.reverse();
         orbits.pop();
@@ -131,7 +131,7 @@ impl GroundBranch {
 }
 
 /// Orbits from `seed` to where the stable 1/1 ends or to `limit_hz`, `seed` first.
-fn follow(case: &Case, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, Edge) {
+fn follow(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, BranchEdge) {
     let natural_hz = case.params.natural_frequency_hz();
     let mut orbits = vec![seed];
     let mut step = STEP * natural_hz;
@@ -140,9 +140,9 @@ fn follow(case: &Case, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, Edg
     while step > END * natural_hz {
         let to_go = (limit_hz - last.frequency_hz).abs();
         if to_go == 0.0 {
-            let edge = Edge {
+            let edge = BranchEdge {
                 frequency_hz: limit_hz,
-                end: End::SearchLimit,
+                end: BranchEnd::SearchLimit,
             };
             return (orbits, edge);
         }
@@ -160,7 +160,7 @@ fn follow(case: &Case, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, Edg
         }
     }
     let end = end_of(case, &last, last.frequency_hz + 2.0 * ahead * step);
-    let edge = Edge {
+    let edge = BranchEdge {
         frequency_hz: last.frequency_hz,
         end,
     };
@@ -168,11 +168,11 @@ fn follow(case: &Case, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, Edg
 }
 
 /// How the branch ends at its last orbit, seen from `beyond_hz`.
-fn end_of(case: &Case, last: &DrillOrbit, beyond_hz: f64) -> End {
+fn end_of(case: &DrillCase, last: &DrillOrbit, beyond_hz: f64) -> BranchEnd {
     use crate::orbit::Multipliers::Real;
     match last.multipliers() {
-        Real(small, _) if small < -NEAR_ONE => return End::PeriodDoubling,
-        Real(_, big) if big > NEAR_ONE => return End::Fold,
+        Real(small, _) if small < -NEAR_ONE => return BranchEnd::PeriodDoubling,
+        Real(_, big) if big > NEAR_ONE => return BranchEnd::Fold,
         _ => {}
     }
     let beyond = on(case, beyond_hz, last.section).and_then(|mut drill| {
@@ -181,8 +181,8 @@ fn end_of(case: &Case, last: &DrillOrbit, beyond_hz: f64) -> End {
     });
     match beyond.map(|seen| seen.regime) {
         // It goes on, but hammer or bit is still in contact at drive phase 0, where no orbit is sought.
-        Ok(regime) if regime.is(1, 1) => End::ContactAtSection,
-        Ok(regime) if regime.periods() == Some(1) => End::ExtraContact,
-        _ => End::Fold,
+        Ok(regime) if regime.is(1, 1) => BranchEnd::ContactAtSection,
+        Ok(regime) if regime.periods() == Some(1) => BranchEnd::ExtraContact,
+        _ => BranchEnd::Fold,
     }
 }

@@ -4,18 +4,18 @@ use super::super::orbit::DrillOrbit;
 use super::members::Crowd;
 use super::observe;
 use crate::limits::LimitUse;
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::pick::answer::drive_force;
 
 /// What is chosen from.
-pub struct Field<'a> {
+pub struct DrillField<'a> {
     /// The nominal branch and the members.
     pub crowd: Crowd<'a>,
     /// What must be kept.
-    pub limits: Limits,
+    pub limits: PickLimits,
 }
 
-impl Field<'_> {
+impl DrillField<'_> {
     /// Whether the limits allow the nominal orbit at `hz`.
     pub fn allows(&self, hz: f64) -> bool {
         self.crowd
@@ -24,7 +24,7 @@ impl Field<'_> {
             .is_some_and(|o| self.allowed(&o, self.limits))
     }
 
-    fn allowed(&self, orbit: &DrillOrbit, limits: Limits) -> bool {
+    fn allowed(&self, orbit: &DrillOrbit, limits: PickLimits) -> bool {
         let (params, hz) = (&self.crowd.case.params, orbit.frequency_hz);
         // What is at a limit to the last digits keeps it.
         let keeps =
@@ -44,7 +44,7 @@ impl Field<'_> {
         self.best_within(range_hz, self.limits)
     }
 
-    fn best_within(&self, range_hz: (f64, f64), limits: Limits) -> Option<DrillOrbit> {
+    fn best_within(&self, range_hz: (f64, f64), limits: PickLimits) -> Option<DrillOrbit> {
         let params = &self.crowd.case.params;
         let prescribed = !params.cart.recoils();
         let most = limits.shaker_force_n(params).filter(|_| prescribed);
@@ -69,7 +69,7 @@ impl Field<'_> {
         };
         let mut uses = Vec::new();
         if uncertain {
-            let certain = Field {
+            let certain = DrillField {
                 crowd: Crowd {
                     members: &[],
                     ..self.crowd

@@ -7,7 +7,7 @@ use shared::model::slider::Slider;
 
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
-use super::branch::{Case, GroundBranch};
+use super::branch::{DrillCase, GroundBranch};
 use crate::root::narrowed;
 use crate::uncertainty::{Member, Uncertainty};
 
@@ -30,7 +30,7 @@ pub fn with_ground(rig: Uncertainty, ground: GroundUncertainty) -> Uncertainty {
 }
 
 /// `member` of an uncertainty from [`with_ground`] at a `share` of its deviations. The dashpot goes with the spring.
-pub fn apply(nominal: &Case, member: &Member, share: f64) -> Case {
+pub fn apply(nominal: &DrillCase, member: &Member, share: f64) -> DrillCase {
     let ground = nominal.ground;
     // Pf and k ride where a contact's stiffness and damping are.
     let carrier = RigParams {
@@ -44,7 +44,7 @@ pub fn apply(nominal: &Case, member: &Member, share: f64) -> Case {
     let Law::SpringDashpot { stiffness, damping } = moved.contact else {
         return *nominal;
     };
-    Case {
+    DrillCase {
         params: RigParams {
             contact: nominal.params.contact,
             ..moved
@@ -60,7 +60,7 @@ pub fn apply(nominal: &Case, member: &Member, share: f64) -> Case {
 
 /// What is spread over the uncertainty at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct DrillSpread {
     /// Smallest rate of penetration, m/s.
     pub least_m_per_s: f64,
     /// Largest rate of penetration, m/s.
@@ -73,7 +73,7 @@ pub struct Spread {
     pub multiplier: f64,
 }
 
-impl Spread {
+impl DrillSpread {
     fn of(orbit: &DrillOrbit) -> Self {
         let rate = orbit.rate_m_per_s();
         Self {
@@ -100,7 +100,7 @@ impl Spread {
 #[derive(Clone, Copy)]
 pub struct Crowd<'a> {
     /// Nominal.
-    pub case: &'a Case,
+    pub case: &'a DrillCase,
     /// Its stable 1/1.
     pub branch: &'a GroundBranch,
     /// The members.
@@ -128,12 +128,12 @@ impl Crowd<'_> {
     }
 
     /// Rates, forces and multipliers at `hz`. None where a member has no stable 1/1.
-    pub fn spread(&self, hz: f64) -> Option<Spread> {
+    pub fn spread(&self, hz: f64) -> Option<DrillSpread> {
         let orbit = self.branch.at(hz)?;
         self.members
             .par_iter()
-            .map(|member| self.follow(member, &orbit).map(|o| Spread::of(&o)))
-            .try_reduce(|| Spread::of(&orbit), |a, b| Some(a.with(b)))
+            .map(|member| self.follow(member, &orbit).map(|o| DrillSpread::of(&o)))
+            .try_reduce(|| DrillSpread::of(&orbit), |a, b| Some(a.with(b)))
     }
 
     /// The frequencies about `from_hz` at which every member has a stable 1/1; the first `corners` members are those whose

@@ -3,7 +3,7 @@
 //!
 //! The stable 1/1 on the ground is followed over frequency by its multipliers ([`branch`]). What is left of it for every
 //! member of the uncertainty of rig and ground ([`members`]) and within the limits is searched for the largest nominal
-//! rate. [`crate::pick::Answer`] carries what every pick says, its forces and bands being those on the ground (the band is
+//! rate. [`crate::pick::PickAnswer`] carries what every pick says, its forces and bands being those on the ground (the band is
 //! where the rate is above 90 % of that chosen); [`answer::OnGround`] carries the rest.
 
 pub mod answer;
@@ -18,19 +18,19 @@ use shared::model::bit::Bit;
 use shared::model::slider::Slider;
 
 use self::answer::{OnGround, rate_sensitivity};
-use self::branch::{Case, GroundBranch};
-use self::field::Field;
+use self::branch::{DrillCase, GroundBranch};
+use self::field::DrillField;
 use self::members::{Crowd, with_ground};
 use self::observe::{Observed, jumps, seed};
 use super::orbit::DrillOrbit;
 use super::search::GroundUncertainty;
-use crate::branch::End;
+use crate::branch::BranchEnd;
 use crate::error::{Error, PickError};
-use crate::limits::Limits;
+use crate::limits::PickLimits;
 use crate::pick::amplitude::lower_until;
 use crate::pick::bending::{Bending, on_beams};
 use crate::pick::with_reserve;
-use crate::pick::{Answer, BAND_SHARE, SEARCH_RATIOS, largest_share, pick};
+use crate::pick::{BAND_SHARE, PickAnswer, SEARCH_RATIOS, largest_share, pick};
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::CartModel;
 use crate::row::{NamedRig, tidy};
@@ -45,7 +45,7 @@ pub const STEPS: u64 = 6;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub struct DrillPickRequest {
     /// The ground.
     pub ground: Slider<f64>,
     /// A bit between hammer and ground.
@@ -55,14 +55,14 @@ pub struct Request {
     /// How far the rig is unknown. None: rig and ground are exact.
     pub uncertainty: Option<Uncertainty>,
     /// What must be kept.
-    pub limits: Limits,
+    pub limits: PickLimits,
 }
 
 /// The answer and what its picture is drawn from.
 #[derive(Clone, Debug)]
 pub struct RopPick {
     /// What every pick says.
-    pub answer: Answer,
+    pub answer: PickAnswer,
     /// What this one says beside it.
     pub ground: OnGround,
     /// The nominal stable 1/1: (Hz, µm/s).
@@ -76,7 +76,7 @@ pub struct RopPick {
 /// As [`pick`]; [`Error::NoProgress`] if nothing gives way anywhere.
 pub fn pick_rop(
     rig: &NamedRig,
-    request: &Request,
+    request: &DrillPickRequest,
     progress: &dyn Progress,
 ) -> Result<RopPick, Error> {
     let found = pick_at_amplitude(rig, request, progress);
@@ -97,11 +97,15 @@ pub fn pick_rop(
 
 /// `rig` at the amplitude at which its fastest nominal 1/1 needs no more than the shaker's limits allow. None if it does at
 /// the rig's own, so that lowering it is no help, or at no lower one, or the ground then holds.
-fn lowered(rig: &NamedRig, request: &Request, progress: &dyn Progress) -> Option<NamedRig> {
+fn lowered(
+    rig: &NamedRig,
+    request: &DrillPickRequest,
+    progress: &dyn Progress,
+) -> Option<NamedRig> {
     let limits = request.limits.with_shaker_of(&rig.params);
     lower_until(rig, |lower| {
         let params = &lower.params;
-        let case = Case {
+        let case = DrillCase {
             params: *params,
             ground: request.ground,
             bit: request.bit,
@@ -117,7 +121,7 @@ fn lowered(rig: &NamedRig, request: &Request, progress: &dyn Progress) -> Option
 
 fn pick_at_amplitude(
     rig: &NamedRig,
-    request: &Request,
+    request: &DrillPickRequest,
     progress: &dyn Progress,
 ) -> Result<RopPick, Error> {
     rig.params.check()?;
@@ -126,7 +130,7 @@ fn pick_at_amplitude(
         bit.check(&request.ground)?;
     }
     let limits = request.limits.with_shaker_of(&rig.params);
-    let case = Case {
+    let case = DrillCase {
         params: rig.params,
         ground: request.ground,
         bit: request.bit,
@@ -159,7 +163,7 @@ fn pick_at_amplitude(
         })
     })?;
     step(progress, 1)?;
-    let field = Field { crowd, limits };
+    let field = DrillField { crowd, limits };
     let kept = with_reserve(robust, !members.is_empty());
     let chosen = field.best(kept).ok_or_else(|| {
         rig.no_pick(PickError::Limits {
@@ -188,7 +192,7 @@ fn pick_at_amplitude(
     let seen = Observed::of(&case, &chosen, &crowd, uncertain)?;
     let other = other_cart(rig, &case, &within);
     step(progress, 1)?;
-    let rigid = pick(rig, None, Limits::default(), &within).ok();
+    let rigid = pick(rig, None, PickLimits::default(), &within).ok();
     let rigid_hz = rigid.map(|p| p.answer.operating_frequency_hz);
     check(progress)?;
 
@@ -201,7 +205,7 @@ fn pick_at_amplitude(
     let weight = rig.params.weight_n();
     let params = &rig.params;
     let in_safe = |hz: &f64| (safe.0..=safe.1).contains(hz);
-    let answer = Answer {
+    let answer = PickAnswer {
         rig: rig.name.clone(),
         gap_mm: tidy(params.gap_m * 1e3),
         cart,
@@ -233,7 +237,7 @@ fn pick_at_amplitude(
         stable_one_one_hz: branch.range().into(),
         stable_one_one_ends: [branch.low.end, branch.high.end],
         robust_band_hz: robust.into(),
-        period_doubling_hz: (branch.high.end == End::PeriodDoubling)
+        period_doubling_hz: (branch.high.end == BranchEnd::PeriodDoubling)
             .then_some(branch.high.frequency_hz),
         multipliers: chosen.multipliers().modulus(),
         multipliers_worst: spread_at.multiplier,
@@ -319,7 +323,7 @@ fn no_one_one(rig: &NamedRig) -> Error {
 /// The stable 1/1 about the one that drills fastest from rest.
 fn nominal_branch(
     rig: &NamedRig,
-    case: &Case,
+    case: &DrillCase,
     progress: &dyn Progress,
 ) -> Result<GroundBranch, Error> {
     let seed = seed(rig, case, progress)?.ok_or_else(|| no_one_one(rig))?;
@@ -330,13 +334,13 @@ fn nominal_branch(
 
 /// The nominal orbit with the largest rate with the cart moved the other way. None where its shaker is not known, or it has
 /// no such orbit.
-fn other_cart(rig: &NamedRig, case: &Case, progress: &dyn Progress) -> Option<DrillOrbit> {
+fn other_cart(rig: &NamedRig, case: &DrillCase, progress: &dyn Progress) -> Option<DrillOrbit> {
     let other = if rig.params.cart.recoils() {
         rig.clone().prescribed()
     } else {
         rig.recoiling()?
     };
-    let case = Case {
+    let case = DrillCase {
         params: other.params,
         ..*case
     };

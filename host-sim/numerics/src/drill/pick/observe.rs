@@ -4,18 +4,18 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use super::branch::{Case, GroundBranch};
+use super::branch::{DrillCase, GroundBranch};
 use super::members::{Crowd, apply, with_ground};
 use super::peak_speed;
-use crate::branch::End;
-use crate::drill::blow::{Blow, Feed};
+use crate::branch::BranchEnd;
+use crate::drill::blow::{Feed, GroundBlow};
 use crate::drill::march::Drill;
 use crate::drill::orbit::DrillOrbit;
-use crate::drill::run::{DrillPlan, DrillSetting, Seen, grid, observe, run};
+use crate::drill::run::{DrillPlan, DrillRun, DrillSetting, grid, observe, run};
 use crate::drill::search::{Among, GroundUncertainty};
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
-use crate::pick::answer::{Shaker, drive_force};
+use crate::pick::answer::{ShakerNeed, drive_force};
 use crate::pick::{JUMP_POINTS, JUMP_SHARE};
 use crate::progress::Progress;
 use crate::row::{NamedRig, tidy};
@@ -44,7 +44,7 @@ const JUMP_RECORDED: u32 = 16;
 /// [`Error::NoProgress`] if nothing gives way; else as [`run`].
 pub fn seed(
     rig: &NamedRig,
-    case: &Case,
+    case: &DrillCase,
     progress: &dyn Progress,
 ) -> Result<Option<DrillOrbit>, Error> {
     let natural_hz = rig.params.natural_frequency_hz();
@@ -67,7 +67,7 @@ pub fn seed(
     Ok(found.filter(DrillOrbit::is_stable_one_one))
 }
 
-fn setting(case: &Case) -> DrillSetting {
+fn setting(case: &DrillCase) -> DrillSetting {
     DrillSetting {
         ground: case.ground,
         bit: case.bit,
@@ -76,7 +76,7 @@ fn setting(case: &Case) -> DrillSetting {
 }
 
 /// The hammer at rest.
-fn at_rest(case: &Case, hz: f64) -> Result<Drill<f64>, Error> {
+fn at_rest(case: &DrillCase, hz: f64) -> Result<Drill<f64>, Error> {
     let (ground, bit) = (&case.ground, case.bit.as_ref());
     Ok(Drill::through(&case.params, ground, bit, Feed::Cart, hz)?)
 }
@@ -85,7 +85,7 @@ fn at_rest(case: &Case, hz: f64) -> Result<Drill<f64>, Error> {
 ///
 /// # Errors
 /// The first parameter out of range.
-pub fn on(case: &Case, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
+pub fn on(case: &DrillCase, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
     let mut drill = at_rest(case, hz)?;
     let [q, v, off, off_rate] = section;
     drill.place_off([q, v, 0.0], [off, off_rate]);
@@ -93,12 +93,12 @@ pub fn on(case: &Case, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
 }
 
 /// Largest force of the shaker for `orbit`, N: of its position loop, or of a prescribed cart what moves M + m.
-pub fn shaker_force_n(case: &Case, orbit: &DrillOrbit) -> f64 {
+pub fn shaker_force_n(case: &DrillCase, orbit: &DrillOrbit) -> f64 {
     loop_force_n(case, orbit).unwrap_or_else(|| drive_force(&case.params, orbit.frequency_hz))
 }
 
 /// The largest force of the loop over a period of `orbit`, N. None with a prescribed cart.
-pub fn loop_force_n(case: &Case, orbit: &DrillOrbit) -> Option<f64> {
+pub fn loop_force_n(case: &DrillCase, orbit: &DrillOrbit) -> Option<f64> {
     let drill = on(case, orbit.frequency_hz, orbit.section).ok()?;
     let mut drill = drill.watching_the_loop();
     drill.run_period(&mut Vec::new());
@@ -108,9 +108,9 @@ pub fn loop_force_n(case: &Case, orbit: &DrillOrbit) -> Option<f64> {
 /// What is seen of the orbit chosen.
 pub struct Observed {
     /// On the orbit.
-    pub on_orbit: Seen,
+    pub on_orbit: DrillRun,
     /// A blow of it.
-    pub blow: Blow,
+    pub blow: GroundBlow,
     /// Regime from rest.
     pub from_rest: Regime,
     /// Corners of the uncertainty, and how many of them settle on 1/1 from rest.
@@ -130,7 +130,7 @@ impl Observed {
     /// # Errors
     /// If a motion cannot be followed.
     pub fn of(
-        case: &Case,
+        case: &DrillCase,
         chosen: &DrillOrbit,
         crowd: &Crowd,
         uncertainty: Option<(Uncertainty, GroundUncertainty)>,
@@ -141,7 +141,7 @@ impl Observed {
         let damping_j = drill.energies().damping / f64::from(OBSERVED);
         let lost = MotionError::Lost { frequency_hz: hz };
         let blow = *on_orbit.blows.last().ok_or(lost)?;
-        let at_rest = |case: &Case, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
+        let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
         let corners =
             uncertainty.map_or(Vec::new(), |(u, ground)| with_ground(u, ground).corners());
         let reaching = corners.par_iter().filter(|corner| {
@@ -161,11 +161,11 @@ impl Observed {
     }
 
     /// What the shaker must give for `chosen`.
-    pub fn shaker(&self, params: &RigParams, chosen: &DrillOrbit) -> Shaker {
+    pub fn shaker(&self, params: &RigParams, chosen: &DrillOrbit) -> ShakerNeed {
         let (hz, amplitude) = (chosen.frequency_hz, params.amplitude_m);
         let velocity = peak_speed(amplitude, hz);
         let force_n = drive_force(params, hz);
-        Shaker {
+        ShakerNeed {
             stroke_mm: tidy(2e3 * amplitude),
             velocity_m_per_s: velocity,
             acceleration_m_per_s2: peak_speed(velocity, hz),
@@ -184,7 +184,7 @@ impl Observed {
 ///
 /// # Errors
 /// If a motion cannot be followed.
-pub fn jumps(case: &Case, branch: &GroundBranch) -> Result<Vec<f64>, Error> {
+pub fn jumps(case: &DrillCase, branch: &GroundBranch) -> Result<Vec<f64>, Error> {
     let (low, high) = branch.range();
     let margin = 0.02 * case.params.natural_frequency_hz();
     let up = spread(low - margin, high + margin, JUMP_POINTS);
@@ -198,14 +198,14 @@ pub fn jumps(case: &Case, branch: &GroundBranch) -> Result<Vec<f64>, Error> {
     // Beyond the ends of the stable 1/1 they are not judged.
     at_hz.retain(|hz| (low..=high).contains(hz));
     let folds = [branch.low, branch.high].into_iter();
-    let folds = folds.filter(|edge| edge.end == End::Fold);
+    let folds = folds.filter(|edge| edge.end == BranchEnd::Fold);
     at_hz.extend(folds.map(|edge| edge.frequency_hz));
     at_hz.sort_by(f64::total_cmp);
     Ok(at_hz)
 }
 
 /// Progress per period at each frequency, m, each from where the last one ended.
-fn sweep(case: &Case, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
+fn sweep(case: &DrillCase, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
     let mut last: Option<Section> = None;
     let mut dug = Vec::with_capacity(frequencies.len());
     for hz in frequencies {

@@ -14,15 +14,15 @@ use nalgebra::DMatrix;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::Settings;
-use super::contacts::Measured;
+use super::SearchSettings;
+use super::contacts::MeasuredImpacts;
 use super::least_squares::{self, Solved};
 use super::ring::{self, Tail};
-use super::sensor::{Model, Pulse, Sensor, Swing};
+use super::sensor::{FilterKind, FilteredPulse, SensorModel, Swing};
 use super::unknowns::Unknowns;
 use crate::contact_law::undriven::Course;
 use crate::drop_test::impacts;
-use crate::reference::Contact;
+use crate::reference::LocatedContact;
 
 /// Where no noise is seen, squares are counted in this share of the largest peak, so that the search has a scale.
 const SCALE_SHARE: f64 = 1e-5;
@@ -35,7 +35,7 @@ const RELEASE: usize = 0;
 const GAIN: usize = 1;
 const OFFSET: usize = 2;
 const CLOCK: usize = 3;
-/// The first of the filter's, of which [`Model::unknowns`] says how many there are.
+/// The first of the filter's, of which [`FilterKind::unknowns`] says how many there are.
 const FILTER: usize = 4;
 /// After these, those of the ringing if it is sought: two sizes, ln Hz, ln s.
 const RINGING: usize = 4;
@@ -50,13 +50,13 @@ pub struct RingingGuess {
 }
 
 /// The problem of fitting the whole force.
-pub struct Shape<'a> {
-    measured: &'a Measured,
+pub struct ForceShape<'a> {
+    measured: &'a MeasuredImpacts,
     params: RigParams,
     unknowns: &'a Unknowns,
-    settings: Settings,
+    settings: SearchSettings,
     /// The kind of filter.
-    pub model: Model,
+    pub model: FilterKind,
     ringing: Option<RingingGuess>,
     windows: Vec<Range<usize>>,
     /// The deviation of a sample, N.
@@ -69,14 +69,14 @@ pub struct Contacts {
     courses: Vec<Course>,
 }
 
-impl<'a> Shape<'a> {
+impl<'a> ForceShape<'a> {
     /// Of `measured`, with this kind of filter, and with ringing if there is a guess of it.
     pub fn new(
-        measured: &'a Measured,
+        measured: &'a MeasuredImpacts,
         params: &RigParams,
         unknowns: &'a Unknowns,
-        settings: &Settings,
-        model: Model,
+        settings: &SearchSettings,
+        model: FilterKind,
         ringing: Option<RingingGuess>,
     ) -> Self {
         let mut windows: Vec<Range<usize>> =
@@ -141,13 +141,13 @@ impl<'a> Shape<'a> {
     }
 
     /// The sensor at a point.
-    pub fn sensor(&self, x: &[f64]) -> Sensor {
+    pub fn sensor(&self, x: &[f64]) -> SensorModel {
         let own = &x[self.laws()..];
         let swing = &own[self.ringing_at()..];
         let mut filter = [0.0; 3];
         let count = self.model.unknowns();
         filter[..count].copy_from_slice(&own[FILTER..FILTER + count]);
-        Sensor {
+        SensorModel {
             gain: self.gain(x),
             offset_n: own[OFFSET],
             clock: own[CLOCK],
@@ -199,7 +199,7 @@ impl<'a> Shape<'a> {
         let Some(course) = contacts.courses.get(i) else {
             return vec![sensor.offset_n; times.len()];
         };
-        let pulse = Pulse::new(&contacts.rig, course, &sensor, self.measured.sample_s);
+        let pulse = FilteredPulse::new(&contacts.rig, course, &sensor, self.measured.sample_s);
         let onset = self.onset_s(x, i);
         times
             .iter()
@@ -378,7 +378,7 @@ impl<'a> Shape<'a> {
             // The release of the law may be a little early or late: a tenth of the contact is left out.
             let first = at(release + 0.1 * course.contact.duration_s);
             let end = at(release + ring::SPAN_S);
-            let pulse = Pulse::new(&contacts.rig, course, &sensor, self.measured.sample_s);
+            let pulse = FilteredPulse::new(&contacts.rig, course, &sensor, self.measured.sample_s);
             let left = |k: usize| forces[k] - pulse.shown(&sensor, times[k] - self.onset_s(x, i));
             (end >= first + 10).then(|| Tail {
                 time_s: times[first..end].iter().map(|t| t - release).collect(),
@@ -406,7 +406,7 @@ impl<'a> Shape<'a> {
     }
 
     /// The `i`-th contact of the model, if it has so many.
-    pub fn contact(contacts: &Contacts, i: usize) -> Option<Contact> {
+    pub fn contact(contacts: &Contacts, i: usize) -> Option<LocatedContact> {
         contacts.courses.get(i).map(|course| course.contact)
     }
 
@@ -417,7 +417,7 @@ impl<'a> Shape<'a> {
 }
 
 /// What squares are counted in, N: the noise, or a hundred thousandth of the largest peak.
-pub fn unit_n(measured: &Measured) -> f64 {
+pub fn unit_n(measured: &MeasuredImpacts) -> f64 {
     let largest = measured.impacts.iter().map(|i| i.peak_n);
     measured
         .noise_n

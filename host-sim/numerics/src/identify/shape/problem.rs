@@ -2,10 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::{CLOCK, Contacts, FILTER, GAIN, OFFSET, RELEASE, Shape};
+use super::{CLOCK, Contacts, FILTER, ForceShape, GAIN, OFFSET, RELEASE};
 use crate::identify::least_squares::Problem;
 
-impl Shape<'_> {
+impl ForceShape<'_> {
     /// What is known beforehand: value at `x`, expected, deviation.
     fn priors(&self, x: &[f64]) -> [(f64, f64, f64); 5] {
         let laws = self.laws();
@@ -64,7 +64,7 @@ impl Shape<'_> {
     }
 }
 
-impl Problem for Shape<'_> {
+impl Problem for ForceShape<'_> {
     type Seen = (Contacts, Vec<Vec<f64>>);
 
     fn residuals(&self, x: &[f64]) -> Option<(DVector<f64>, Self::Seen)> {

@@ -6,7 +6,7 @@ fn close(a: f64, b: f64, relative: f64) {
     assert!((a - b).abs() <= relative * b.abs(), "{a} against {b}");
 }
 
-fn beam(tip: Tip, mass_ratio: f64) -> Beam {
+fn beam(tip: TipJoint, mass_ratio: f64) -> Beam {
     Beam { tip, mass_ratio }
 }
 
@@ -18,7 +18,7 @@ fn roots_without_a_hammer_are_the_textbooks() {
     // Blevins, Formulas for Natural Frequency and Mode Shape (1979), Table 8-1: clamped-free, clamped-sliding.
     let free = [1.87510407, 4.69409113, 7.85475744, 10.99554073, 14.13716839];
     let guided = [2.36502037, 5.49780392, 8.63937983, 11.78097245, 14.92256510];
-    for (tip, table) in [(Tip::Free, free), (Tip::Guided, guided)] {
+    for (tip, table) in [(TipJoint::Free, free), (TipJoint::Guided, guided)] {
         for (found, known) in beam(tip, UNLOADED).roots(5).iter().zip(table) {
             close(*found, known, 1e-8);
         }
@@ -28,7 +28,7 @@ fn roots_without_a_hammer_are_the_textbooks() {
 #[test]
 fn roots_with_a_hammer_are_the_published_ones() {
     // A tip mass as heavy as the beam: Laura, Pombo and Susemihl (1974), to the digits printed.
-    for (found, known) in beam(Tip::Free, 1.0)
+    for (found, known) in beam(TipJoint::Free, 1.0)
         .roots(3)
         .iter()
         .zip([1.2479, 4.0311, 7.1341])
@@ -38,7 +38,7 @@ fn roots_with_a_hammer_are_the_published_ones() {
     // A fifth of the beam's mass: Applied Sciences 9 (2019) 2996, doi:10.3390/app9152996, Table 2: frequencies in Hz of
     // one beam, printed to 0.01 Hz, so the ratios to the first hold to 0.05 %.
     let hz = [14.56, 101.47, 298.59, 603.06, 1017.07];
-    let roots = beam(Tip::Free, 5.0).roots(5);
+    let roots = beam(TipJoint::Free, 5.0).roots(5);
     for (root, known) in roots.iter().zip(hz) {
         close((root / roots[0]).powi(2), known / hz[0], 5e-4);
     }
@@ -49,8 +49,8 @@ fn a_heavy_hammer_on_a_light_beam_is_a_mass_on_a_spring() {
     // λ⁴ = 12 ε / (1 + 13/35 ε) guided, 3 ε / (1 + 33/140 ε) free (Rayleigh, static shapes; Blevins, Table 8-8), which
     // errs by the order of ε² (about 1e-3 ε² here); the mode's mass is the hammer's and that share of the beam's.
     for (tip, stiffness, share) in [
-        (Tip::Guided, 12.0, 13.0 / 35.0),
-        (Tip::Free, 3.0, 33.0 / 140.0),
+        (TipJoint::Guided, 12.0, 13.0 / 35.0),
+        (TipJoint::Free, 3.0, 33.0 / 140.0),
     ] {
         let epsilon = 0.01;
         let beam = beam(tip, epsilon);
@@ -64,7 +64,7 @@ fn a_heavy_hammer_on_a_light_beam_is_a_mass_on_a_spring() {
 
 /// The same beam in finite elements with cubic shapes (Blevins' beam, μ = EI = L = 1): frequencies squared, tip
 /// displacements and participations of modes of unit modal mass.
-fn finite_elements(tip: Tip, hammer: f64, elements: usize) -> (DVector<f64>, Vec<(f64, f64)>) {
+fn finite_elements(tip: TipJoint, hammer: f64, elements: usize) -> (DVector<f64>, Vec<(f64, f64)>) {
     let l = 1.0 / elements as f64;
     let stiffness = [
         [12.0, 6.0 * l, -12.0, 6.0 * l],
@@ -95,7 +95,11 @@ fn finite_elements(tip: Tip, hammer: f64, elements: usize) -> (DVector<f64>, Vec
     // Moved as a rigid whole: every displacement 1, no rotation.
     let rigid = DVector::from_fn(all, |i, _| if i % 2 == 0 { 1.0 } else { 0.0 });
     let pull = &m * rigid;
-    let end = if tip == Tip::Guided { all - 1 } else { all };
+    let end = if tip == TipJoint::Guided {
+        all - 1
+    } else {
+        all
+    };
     let (k, m) = (
         k.view((2, 2), (end - 2, end - 2)).into_owned(),
         m.view((2, 2), (end - 2, end - 2)).into_owned(),
@@ -119,7 +123,7 @@ fn finite_elements(tip: Tip, hammer: f64, elements: usize) -> (DVector<f64>, Vec
 
 #[test]
 fn modes_are_those_of_a_finite_element_beam() {
-    for tip in [Tip::Guided, Tip::Free] {
+    for tip in [TipJoint::Guided, TipJoint::Free] {
         for ratio in [0.03, 0.1, 0.5, 2.0] {
             // 40 elements: the fifth mode's frequency errs by about (λ/40)⁴/1440 = 1e-5.
             let (squares, told) = finite_elements(tip, 1.0 / ratio, 40);
@@ -139,7 +143,7 @@ fn modes_are_those_of_a_finite_element_beam() {
 fn modes_add_up_to_the_whole() {
     // All modes together carry the mass of beam and hammer, ΣΓ²/m, and answer a blow on the hammer as the hammer alone,
     // Σ1/m = 1/M (the beam is at rest at that instant): both are approached from below.
-    for tip in [Tip::Guided, Tip::Free] {
+    for tip in [TipJoint::Guided, TipJoint::Free] {
         let (ratio, hammer) = (0.1, 0.298);
         let modes = beam(tip, ratio).modes(hammer, 4.5, 60).unwrap();
         let carried: f64 = modes
@@ -164,7 +168,7 @@ fn modes_add_up_to_the_whole() {
 fn beams_that_make_no_sense_are_refused() {
     for ratio in [0.0, -0.1, f64::NAN, 11.0] {
         assert!(
-            beam(Tip::Guided, ratio).modes(0.298, 4.5, 2).is_err(),
+            beam(TipJoint::Guided, ratio).modes(0.298, 4.5, 2).is_err(),
             "{ratio}"
         );
     }

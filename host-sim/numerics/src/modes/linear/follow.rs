@@ -1,18 +1,18 @@
 //! A run of a hammer in a cart that recoils, watched as the other engine's is.
 
-use shared::model::contacts::{Contact as Finished, Period, Piece};
+use shared::model::contacts::{Contact as Finished, ContactPiece, Period};
 use std::f64::consts::TAU;
 
-use super::Motion;
-use super::run::{Leg, Seen};
+use super::LinearMotion;
+use super::run::{LinearLeg, PeriodEvents};
 use crate::modes::dense::dot;
 use crate::modes::log::Log;
-use crate::modes::{ModalRig, State};
+use crate::modes::{ModalRig, ModalState};
 
 /// A hammer with its modes and its cart, from drive phase 0 to drive phase 0.
 #[derive(Clone, Debug)]
 pub struct Follower {
-    motion: Motion,
+    motion: LinearMotion,
     amplitude_m: f64,
     omega: f64,
     section: Vec<f64>,
@@ -22,7 +22,7 @@ pub struct Follower {
 
 impl Follower {
     /// The hammer of `motion` and `rig` at rest relative to the cart at drive phase 0.
-    pub fn at_rest(motion: Motion, rig: &ModalRig) -> Self {
+    pub fn at_rest(motion: LinearMotion, rig: &ModalRig) -> Self {
         Self {
             amplitude_m: rig.amplitude_m,
             omega: TAU * motion.frequency_hz,
@@ -34,7 +34,7 @@ impl Follower {
     }
 
     /// Where the hammer is at drive phase 0.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> ModalState {
         self.state_of(&self.section, 0.0).0
     }
 
@@ -47,12 +47,12 @@ impl Follower {
     /// deviation (m), `worked` what the surface took (J). If the motion cannot be followed, the state becomes NaN.
     pub fn run_period(
         &mut self,
-        mut see: impl FnMut(&State, f64),
+        mut see: impl FnMut(&ModalState, f64),
         mut worked: impl FnMut(f64),
     ) -> Period<f64> {
-        let mut seen = Seen {
+        let mut seen = PeriodEvents {
             path: Some(Vec::new()),
-            ..Seen::default()
+            ..PeriodEvents::default()
         };
         match self.motion.run(&self.section, Some(&mut seen)) {
             Some(end) => self.section = end,
@@ -80,7 +80,7 @@ impl Follower {
 
     /// Enters a piece of a contact; what the surface took in it, J. The integrals are those of the quintic through the values at
     /// the ends and the middle and the slopes at the ends.
-    fn press(&mut self, leg: &Leg) -> f64 {
+    fn press(&mut self, leg: &LinearLeg) -> f64 {
         let motion = &self.motion;
         let force = leg
             .states
@@ -113,7 +113,7 @@ impl Follower {
             [0, 1, 2].map(|k| force[k] * rate[k]),
             [power(0, first), power(2, last)],
         );
-        let piece = Piece {
+        let piece = ContactPiece {
             span_s,
             force: (force[0], force[2]),
             force_rate: (first.0, last.0),
@@ -125,11 +125,11 @@ impl Follower {
     }
 
     /// The state of `z` at a drive phase (rad), and the cart's deviation, m.
-    fn state_of(&self, z: &[f64], phase: f64) -> (State, f64) {
+    fn state_of(&self, z: &[f64], phase: f64) -> (ModalState, f64) {
         let n = self.motion.modes;
-        let mut state = State {
+        let mut state = ModalState {
             t: phase / self.omega,
-            ..State::default()
+            ..ModalState::default()
         };
         for i in 0..n {
             state.q[i] = z[i] * self.amplitude_m;

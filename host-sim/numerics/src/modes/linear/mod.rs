@@ -37,7 +37,7 @@ const TURN_PER_STEP: f64 = 0.5;
 
 /// A shaker that holds a cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct HoldingShaker {
     /// The position loop.
     pub held: LoopParams,
     /// Mass M of the cart, kg.
@@ -48,7 +48,7 @@ pub struct Held {
 
 /// The motion at one drive frequency.
 #[derive(Clone, Debug)]
-pub struct Motion {
+pub struct LinearMotion {
     /// Number of modes.
     modes: usize,
     /// Whether the cart recoils.
@@ -96,7 +96,7 @@ impl Phase {
         product
     }
 }
-impl Motion {
+impl LinearMotion {
     /// `params` with the `count` lowest modes of `beam` at `frequency_hz`, its cart as in `params`.
     ///
     /// # Errors
@@ -119,7 +119,7 @@ impl Motion {
         }
         let held = match params.cart {
             CartDrive::Prescribed => None,
-            CartDrive::Loop(held) => Some(Held {
+            CartDrive::Loop(held) => Some(HoldingShaker {
                 held,
                 cart_kg: params.cart_mass_kg,
                 hung_kg: params.mass_kg * (1.0 + beam.mass_ratio),
@@ -132,7 +132,11 @@ impl Motion {
     ///
     /// # Errors
     /// If the law is not the spring-dashpot.
-    pub fn new(rig: &ModalRig, held: Option<Held>, frequency_hz: f64) -> Result<Self, Error> {
+    pub fn new(
+        rig: &ModalRig,
+        held: Option<HoldingShaker>,
+        frequency_hz: f64,
+    ) -> Result<Self, Error> {
         let Law::SpringDashpot { stiffness, damping } = rig.law else {
             return Err(ModesError::Law.into());
         };
@@ -191,7 +195,7 @@ impl Motion {
 }
 
 /// The matrix of a phase whose contact force over A0 Ω² is `force`, as a row on the state.
-fn field(rig: &ModalRig, held: Option<Held>, omega: f64, force: &[f64]) -> Square {
+fn field(rig: &ModalRig, held: Option<HoldingShaker>, omega: f64, force: &[f64]) -> Square {
     let size = force.len();
     let (n, sine) = (rig.modes.len(), size - 3);
     let mut a = Square::zero(size);
@@ -206,7 +210,7 @@ fn field(rig: &ModalRig, held: Option<Held>, omega: f64, force: &[f64]) -> Squar
     };
     let mut cart = vec![0.0; size];
     cart[sine] = -1.0;
-    if let Some(Held {
+    if let Some(HoldingShaker {
         held,
         cart_kg,
         hung_kg,

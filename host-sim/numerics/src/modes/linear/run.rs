@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Motion;
+use super::LinearMotion;
 use crate::modes::dense::{Square, dot};
 use crate::root::halved;
 
@@ -14,7 +14,7 @@ const MOST_WATCHED: u32 = 2000;
 
 /// What happened in a period.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct PeriodEvents {
     pub onsets: u32,
     /// Largest F/(A0 Ω²), kg, and the approach speed of its contact.
     pub force: f64,
@@ -23,21 +23,25 @@ pub(super) struct Seen {
     pub pieces: Vec<(bool, f64)>,
     pub saltations: Vec<Square>,
     /// The way there step by step, if it is asked for; there are no saltations then.
-    pub path: Option<Vec<Leg>>,
+    pub path: Option<Vec<LinearLeg>>,
 }
 
 /// A step, or what there is of it before a switch.
 #[derive(Clone, Debug)]
-pub(super) struct Leg {
+pub(super) struct LinearLeg {
     pub touching: bool,
     /// In 1/Ω.
     pub length: f64,
     /// At its beginning, in the middle and at the end.
     pub states: [Vec<f64>; 3],
 }
-impl Motion {
+impl LinearMotion {
     /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed.
-    pub(super) fn run(&self, section: &[f64], mut seen: Option<&mut Seen>) -> Option<Vec<f64>> {
+    pub(super) fn run(
+        &self,
+        section: &[f64],
+        mut seen: Option<&mut PeriodEvents>,
+    ) -> Option<Vec<f64>> {
         let mut z = self.at_phase_zero(section);
         let mut touching = self.pushes(&z);
         let watched = seen.as_ref().is_some_and(|seen| seen.path.is_some());
@@ -65,7 +69,7 @@ impl Motion {
             if let Some(path) = seen.as_deref_mut().and_then(|seen| seen.path.as_mut()) {
                 let length = switch.unwrap_or(h);
                 let at = |t: f64| phase.a.exponential_of(t, &z);
-                path.push(Leg {
+                path.push(LinearLeg {
                     touching,
                     length,
                     states: [z.clone(), at(0.5 * length), at(length)],

@@ -3,13 +3,13 @@ use shared::model::params::{BEAM_135, BEAM_170, SupportParams};
 
 use super::*;
 use crate::branch::one_one_branches;
-use crate::engine::{Engine, Plan, Recorder, Start, machine, observe as run};
+use crate::engine::{CycleRecorder, Engine, Plan, Start, machine, observe as run};
 use crate::modes::observe::watched;
-use crate::modes::{BendingMode, Tip, observe};
+use crate::modes::{BendingMode, TipJoint, observe};
 use crate::orbit::shoot_at;
 
 const BEAM: Beam = Beam {
-    tip: Tip::Guided,
+    tip: TipJoint::Guided,
     mass_ratio: 0.1,
 };
 
@@ -67,12 +67,12 @@ fn one_mode_of_the_hammer_s_mass_is_the_reference_with_a_recoiling_cart() {
         let mut rig = ModalRig::new(&open, BEAM, 1).unwrap();
         rig.gap_m = gap_m;
         rig.modes = lumped(natural_frequency_hz, params.mass_kg);
-        let held = Held {
+        let held = HoldingShaker {
             held,
             cart_kg: params.cart_mass_kg,
             hung_kg: params.mass_kg,
         };
-        let motion = Motion::new(&rig, Some(held), hz).unwrap();
+        let motion = LinearMotion::new(&rig, Some(held), hz).unwrap();
         let found = motion.orbit(None).unwrap();
         assert!(off(found.force_n, known.force_n) < 1e-7, "{found:?}");
         let speed = known.contact.approach_speed_m_per_s;
@@ -94,7 +94,9 @@ fn five_modes_are_those_of_the_other_engine() {
     };
     for hz in [8.6, 9.07, 9.45] {
         let rig = ModalRig::new(&BEAM_170, BEAM, 5).unwrap();
-        let found = Motion::of(&BEAM_170, BEAM, 5, hz).unwrap().orbit(None);
+        let found = LinearMotion::of(&BEAM_170, BEAM, 5, hz)
+            .unwrap()
+            .orbit(None);
         let found = found.unwrap();
         let seen = observe(rig, hz, cycles).unwrap();
         assert!(off(found.force_n, seen.force_n) < 1e-6, "{hz}: {found:?}");
@@ -116,7 +118,7 @@ fn a_run_in_a_recoiling_cart_is_the_reference_s() {
         };
         let mut rig = ModalRig::new(&params, BEAM, 1).unwrap();
         rig.modes = lumped(natural_hz, params.mass_kg);
-        let held = Held {
+        let held = HoldingShaker {
             held: ASSUMED_SHAKER,
             cart_kg: params.cart_mass_kg,
             hung_kg: params.mass_kg,
@@ -126,10 +128,10 @@ fn a_run_in_a_recoiling_cart_is_the_reference_s() {
             cycles: 320,
             transient: 300,
         };
-        let motion = Motion::new(&rig, Some(held), hz).unwrap();
+        let motion = LinearMotion::new(&rig, Some(held), hz).unwrap();
         let found = watched(Follower::at_rest(motion, &rig), &rig, hz, cycles).unwrap();
         let mut hammer = machine(Engine::Event, &params, hz, Start::Rest).unwrap();
-        let known = run(hammer.as_mut(), cycles, &mut Recorder::default()).unwrap();
+        let known = run(hammer.as_mut(), cycles, &mut CycleRecorder::default()).unwrap();
         assert_eq!(found.regime, known.regime);
         // A run has its peaks from a cubic between two steps (the orbit above has them exactly): 3e-6 off here.
         let (force, exact) = (found.force_n, known.force_n);
@@ -152,7 +154,7 @@ fn a_run_with_five_modes_is_the_other_engine_s() {
     };
     let rig = ModalRig::new(&BEAM_170, BEAM, 5).unwrap();
     let known = observe(rig.clone(), 9.07, cycles).unwrap();
-    let motion = Motion::of(&BEAM_170, BEAM, 5, 9.07).unwrap();
+    let motion = LinearMotion::of(&BEAM_170, BEAM, 5, 9.07).unwrap();
     let found = watched(Follower::at_rest(motion, &rig), &rig, 9.07, cycles).unwrap();
     assert_eq!(found.regime, known.regime);
     let pairs = [
@@ -175,7 +177,7 @@ fn the_derivative_is_that_of_the_return_map() {
         cart: CartDrive::Loop(ASSUMED_SHAKER),
         ..BEAM_170
     };
-    let motion = Motion::of(&params, BEAM, 5, 9.0).unwrap();
+    let motion = LinearMotion::of(&params, BEAM, 5, 9.0).unwrap();
     let orbit = motion.orbit(None).unwrap();
     let (_, derivative, _) = motion.image(&orbit.section).unwrap();
     for k in 0..orbit.section.len() {

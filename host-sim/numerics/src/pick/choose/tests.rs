@@ -31,8 +31,8 @@ impl Made {
         }
     }
 
-    fn field(&self) -> Field<'_> {
-        Field {
+    fn field(&self) -> PickField<'_> {
+        PickField {
             rig: &self.rig,
             branch: &self.branch,
             members: &self.members,
@@ -50,7 +50,10 @@ impl Made {
 
     /// The strongest orbit without uncertainty and limits, and a force limit that both flanks of the curve reach.
     fn optimum(&self) -> (Orbit, f64) {
-        let best = self.field().best(self.range(), Limits::default()).unwrap();
+        let best = self
+            .field()
+            .best(self.range(), PickLimits::default())
+            .unwrap();
         let (low, high) = self.range();
         assert!(low < best.frequency_hz && best.frequency_hz < high);
         let ends = self.force_at(low).max(self.force_at(high));
@@ -60,24 +63,24 @@ impl Made {
     }
 }
 
-fn force(max: f64) -> Limits {
-    Limits {
+fn force(max: f64) -> PickLimits {
+    PickLimits {
         max_force_n: Some(max),
-        ..Limits::default()
+        ..PickLimits::default()
     }
 }
 
-fn frequency(max: f64) -> Limits {
-    Limits {
+fn frequency(max: f64) -> PickLimits {
+    PickLimits {
         max_frequency_hz: Some(max),
-        ..Limits::default()
+        ..PickLimits::default()
     }
 }
 
-fn drive(max: f64) -> Limits {
-    Limits {
+fn drive(max: f64) -> PickLimits {
+    PickLimits {
         max_shaker_force_n: Some(max),
-        ..Limits::default()
+        ..PickLimits::default()
     }
 }
 
@@ -90,11 +93,11 @@ fn the_lower_of_the_frequencies_that_the_shaker_allows_counts() {
     let made = Made::new(0.0, 0.0);
     let field = made.field();
     let at_three = drive_force(&WIRES, 3.0);
-    assert_eq!(field.top(Limits::default()), f64::INFINITY);
+    assert_eq!(field.top(PickLimits::default()), f64::INFINITY);
     assert_eq!(field.top(frequency(2.5)), 2.5);
     assert!((field.top(drive(at_three)) - 3.0).abs() < 1e-12);
     for (hz, expected) in [(2.5, 2.5), (3.5, 3.0)] {
-        let both = Limits {
+        let both = PickLimits {
             max_shaker_force_n: Some(at_three),
             ..frequency(hz)
         };
@@ -171,7 +174,7 @@ fn the_allowed_range_ends_where_a_limit_does() {
     let (optimum, limit) = made.optimum();
     let range = made.range();
     let allowed = |from, limits| made.field().allowed(from, range, limits);
-    assert_eq!(allowed(3.0, Limits::default()), range);
+    assert_eq!(allowed(3.0, PickLimits::default()), range);
     let capped = 0.9 * optimum.frequency_hz;
     assert_eq!(
         allowed(0.5 * (range.0 + capped), frequency(capped)),
@@ -222,7 +225,7 @@ fn a_limit_binds_if_dropping_it_gives_more() {
         let uses = choice.limits.into_iter();
         uses.map(|l| (l.name, l.binds)).collect::<Vec<_>>()
     };
-    assert_eq!(binding(Limits::default()), []);
+    assert_eq!(binding(PickLimits::default()), []);
     let below = 0.9 * optimum.frequency_hz;
     let above = 1.01 * optimum.frequency_hz;
     assert_eq!(binding(frequency(below)), [("max_frequency_hz", true)]);
@@ -238,7 +241,7 @@ fn a_limit_binds_if_dropping_it_gives_more() {
     let barely = force(0.9995 * optimum.force_n);
     assert_eq!(binding(barely), [("max_force_n", true)]);
     // Two limits at the same place: only without both there is more.
-    let both = Limits {
+    let both = PickLimits {
         max_shaker_force_n: by_drive.max_shaker_force_n,
         ..frequency(below)
     };
@@ -248,7 +251,7 @@ fn a_limit_binds_if_dropping_it_gives_more() {
     let made = Made::new(0.0, 5.0);
     let of = |range| {
         made.field()
-            .choose(range, Limits::default())
+            .choose(range, PickLimits::default())
             .unwrap()
             .limits
     };
@@ -280,9 +283,9 @@ fn what_has_no_choice_says_why() {
     let least = feasible.max_force_n.unwrap();
     let with = |max: f64| made.field().choose(range_hz, force(max));
     assert!(with(1.0001 * least).is_ok() && with(0.999 * least).is_err());
-    let slow = Limits {
+    let slow = PickLimits {
         max_frequency_hz: Some(0.5 * range_hz.0),
-        ..Limits::default()
+        ..PickLimits::default()
     };
     let feasible = made.field().feasible(range_hz, slow);
     assert_eq!(feasible.max_frequency_hz, Some(range_hz.0));
@@ -291,7 +294,7 @@ fn what_has_no_choice_says_why() {
     let far = Made::new(60.0, 0.0);
     let lost = far
         .field()
-        .choose(range_hz, Limits::default())
+        .choose(range_hz, PickLimits::default())
         .err()
         .unwrap();
     let (optimum, _) = made.optimum();
@@ -309,13 +312,13 @@ fn what_has_no_choice_says_why() {
 fn the_member_that_breaks_a_limit_is_the_strongest_unless_it_is_known_to() {
     let made = Made::new(0.0, 5.0);
     let field = made.field();
-    let spread = Spread {
+    let spread = ForceSpread {
         weakest_n: 1.0,
         strongest_n: 10.0,
         strongest: Some(1),
         multiplier: 0.5,
     };
-    let nominal = Spread {
+    let nominal = ForceSpread {
         strongest: None,
         ..spread
     };
@@ -327,30 +330,30 @@ fn the_member_that_breaks_a_limit_is_the_strongest_unless_it_is_known_to() {
     assert_eq!(field.breaks(&spread, &strongest, force(9.0)), None);
     assert_eq!(field.breaks(&spread, &[], force(10.0)), None);
     assert_eq!(field.breaks(&nominal, &[], force(9.0)), None);
-    assert_eq!(field.breaks(&spread, &[], Limits::default()), None);
+    assert_eq!(field.breaks(&spread, &[], PickLimits::default()), None);
 }
 
 /// Neither alone gives more when it ends, both together do: both decide.
 #[test]
 fn two_limits_can_decide_together() {
-    let limits = Limits {
+    let limits = PickLimits {
         max_force_n: Some(50.0),
         max_frequency_hz: Some(2.0),
         max_shaker_force_n: Some(900.0),
         rig_shaker_force_n: None,
     };
-    let free = |left: Limits| left.max_force_n.is_none() && left.max_frequency_hz.is_none();
-    let binding = |more: &dyn Fn(Limits) -> bool| -> Vec<&str> {
+    let free = |left: PickLimits| left.max_force_n.is_none() && left.max_frequency_hz.is_none();
+    let binding = |more: &dyn Fn(PickLimits) -> bool| -> Vec<&str> {
         let uses = limits.which_decide(more).into_iter();
         uses.filter(|l| l.binds).map(|l| l.name).collect()
     };
-    let together = |more: &dyn Fn(Limits) -> bool| {
+    let together = |more: &dyn Fn(PickLimits) -> bool| {
         let uses = limits.which_decide(more).into_iter();
         uses.map(|l| l.together).collect::<Vec<_>>()
     };
     assert_eq!(binding(&free), ["max_force_n", "max_frequency_hz"]);
     assert_eq!(together(&free), [true, true, false]);
-    let alone = |left: Limits| left.max_force_n.is_none();
+    let alone = |left: PickLimits| left.max_force_n.is_none();
     assert_eq!(binding(&alone), ["max_force_n"]);
     assert_eq!(together(&alone), [false; 3]);
     assert!(binding(&|_| false).is_empty());

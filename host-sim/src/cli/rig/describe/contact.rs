@@ -1,8 +1,8 @@
 //! The contact of a rig file: from what a person measured of it, or from what surface it is.
 
 use super::{Answers, Described, SURFACE_MISSING, missing};
-use crate::own_rig::contact::{Contact, of_restitution_and_surface, of_restitution_and_time};
-use crate::own_rig::reading::Reading;
+use crate::own_rig::contact::{OwnContact, of_restitution_and_surface, of_restitution_and_time};
+use crate::own_rig::reading::OwnReading;
 use files::UserError;
 
 impl Described {
@@ -21,7 +21,7 @@ impl Described {
             }
             (None, Some(surface)) => {
                 let [low, high] = surface.restitution;
-                let middle = Reading::assumed(0.5 * (low + high), 0.5 * (high - low));
+                let middle = OwnReading::assumed(0.5 * (low + high), 0.5 * (high - low));
                 (
                     middle,
                     format!("restitution of {}, {low} to {high}", surface.name()),
@@ -73,7 +73,7 @@ impl Described {
     }
 
     /// A spring-dashpot with the sources of its stiffness and of its damping, and those of their half-widths.
-    pub fn contact(&mut self, contact: &Contact, values: [&str; 2], widths: [&str; 2]) {
+    pub fn contact(&mut self, contact: &OwnContact, values: [&str; 2], widths: [&str; 2]) {
         self.file.word(
             "contact_law",
             "spring-dashpot",

@@ -37,7 +37,7 @@ fn stored_earlier(layout: usize) -> Settings {
 #[test]
 fn settings_that_an_earlier_program_stored_are_taken_over() {
     for (image, layout) in EARLIER.into_iter().zip(1..) {
-        let mut store = Store::new(Flash::<4>::new(), SLOTS);
+        let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
         store.flash.bytes[..image.len()].copy_from_slice(image);
         let old = stored_earlier(layout);
         assert_eq!(load(&mut store), Loaded::Settings(old), "layout {layout}");
@@ -53,7 +53,7 @@ fn settings_that_an_earlier_program_stored_are_taken_over() {
 fn damaged_or_absurd_settings_of_an_earlier_program_are_not_taken_over() {
     for image in EARLIER {
         for at in 0..image.len() {
-            let mut store = Store::new(Flash::<4>::new(), SLOTS);
+            let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
             store.flash.bytes[..image.len()].copy_from_slice(image);
             store.flash.bytes[at] ^= 0x10;
             let loaded = load(&mut store);
@@ -67,7 +67,7 @@ fn damaged_or_absurd_settings_of_an_earlier_program_are_not_taken_over() {
         absurd[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
         let check = check_of(&absurd[..12], &absurd[PAYLOAD_AT..payload_end(image)]);
         absurd[12..16].copy_from_slice(&check.to_le_bytes());
-        let mut store = Store::new(Flash::<4>::new(), SLOTS);
+        let mut store = SlotStore::new(Flash::<4>::new(), SLOTS);
         store.flash.bytes[..absurd.len()].copy_from_slice(&absurd);
         assert_eq!(load(&mut store), Loaded::Corrupt);
     }
