@@ -14,7 +14,7 @@ mod app {
     use cortex_m::peripheral::SCB;
     use cortex_m_semihosting::hprintln;
     use firmware::hardware::{
-        board::{self, Stopwatch, pipes::Pipes},
+        board::{self, SysTickStopwatch, pipes::Pipes},
         stack,
     };
     use heapless::Vec;
@@ -43,7 +43,7 @@ mod app {
 
     #[local]
     struct Local {
-        stopwatch: Stopwatch,
+        stopwatch: SysTickStopwatch,
     }
 
     #[init]
@@ -60,7 +60,7 @@ mod app {
             block,
         };
         let local = Local {
-            stopwatch: Stopwatch::start(context.core.SYST),
+            stopwatch: SysTickStopwatch::start(context.core.SYST),
         };
         (shared, local)
     }
@@ -151,7 +151,7 @@ mod app {
     /// A block. Deadline: none, time waits for it here.
     #[task(binds = SysTick, priority = 2, shared = [lockstep, block], local = [stopwatch])]
     fn control(context: control::Context) {
-        let stopwatch: &Stopwatch = context.local.stopwatch;
+        let stopwatch: &SysTickStopwatch = context.local.stopwatch;
         (context.shared.lockstep, context.shared.block).lock(|slot, block| {
             let Some(lockstep) = slot else {
                 return;

@@ -18,7 +18,7 @@ mod app {
         BLOCK_TICKS,
         bench::Bench,
         hardware::{
-            board::{self, Stopwatch},
+            board::{self, SysTickStopwatch},
             stack,
         },
         histogram::Histogram,
@@ -48,7 +48,7 @@ mod app {
     struct Local {
         bench: Bench,
         outputs: [Output; BLOCK_TICKS],
-        stopwatch: Stopwatch,
+        stopwatch: SysTickStopwatch,
     }
 
     #[init]
@@ -70,7 +70,7 @@ mod app {
         let local = Local {
             bench: Bench::new(&settings),
             outputs: [Output::SAFE; BLOCK_TICKS],
-            stopwatch: Stopwatch::start(context.core.SYST),
+            stopwatch: SysTickStopwatch::start(context.core.SYST),
         };
         let shared = Shared {
             lockstep,
@@ -133,7 +133,7 @@ mod app {
         let outputs: &mut [Output; BLOCK_TICKS] = context.local.outputs;
         let mut frames = [Frame::default(); BLOCK_TICKS];
         context.local.bench.block(outputs, &mut frames);
-        let stopwatch: &Stopwatch = context.local.stopwatch;
+        let stopwatch: &SysTickStopwatch = context.local.stopwatch;
         let began = stopwatch.now();
         context
             .shared

@@ -12,7 +12,7 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use firmware::{
-    hardware::board::{self, Stopwatch},
+    hardware::board::{self, SysTickStopwatch},
     model::DrivenModel,
 };
 
@@ -27,7 +27,7 @@ fn main() -> ! {
     else {
         board::exit(false);
     };
-    let stopwatch = Stopwatch::start(peripherals.SYST);
+    let stopwatch = SysTickStopwatch::start(peripherals.SYST);
 
     let mut periods = 0;
     while periods < SETTLING_PERIODS {
@@ -59,7 +59,7 @@ fn main() -> ! {
 
 /// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `model`.
 #[inline(never)]
-fn counts(stopwatch: &Stopwatch, model: &DrivenModel, work: impl Fn(&mut DrivenModel)) -> u32 {
+fn counts(stopwatch: &SysTickStopwatch, model: &DrivenModel, work: impl Fn(&mut DrivenModel)) -> u32 {
     let start = stopwatch.now();
     for _ in 0..REPEATS {
         let mut copy = *black_box(model);

@@ -1,4 +1,4 @@
-//! TIM7, which has the blocks looked after once per millisecond ([`Guard`]).
+//! TIM7, which has the blocks looked after once per millisecond ([`BlockGuard`]).
 
 use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::{
@@ -8,12 +8,12 @@ use stm32f4xx_hal::{
     timer::{CounterHz, Event, Flag},
 };
 
-use crate::hardware::tasks::blocks::Guard;
+use crate::hardware::tasks::blocks::BlockGuard;
 
 /// TIM7, interrupting once per millisecond.
 pub struct BlockMonitor {
     timer: CounterHz<pac::TIM7>,
-    guard: Guard,
+    guard: BlockGuard,
 }
 
 impl BlockMonitor {
@@ -21,7 +21,7 @@ impl BlockMonitor {
     pub fn new(timer: pac::TIM7, rcc: &mut Rcc) -> Self {
         Self {
             timer: timer.counter_hz(rcc),
-            guard: Guard::default(),
+            guard: BlockGuard::default(),
         }
     }
 

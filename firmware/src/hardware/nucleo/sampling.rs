@@ -71,7 +71,7 @@ pub struct AdcSampler {
     timer: pac::TIM2,
     dma: pac::DMA2,
     _adc: Adc<pac::ADC1>,
-    watch: reference::Watch,
+    watch: reference::RunReadings,
     /// Blocks since the last reading of the reference was started.
     since: u16,
 }
@@ -144,7 +144,7 @@ impl AdcSampler {
             timer,
             dma,
             _adc: adc,
-            watch: reference::Watch::default(),
+            watch: reference::RunReadings::default(),
             // Past the block in which a reading is fetched.
             since: 1,
         }

@@ -31,9 +31,9 @@ pub fn take_cycles() -> [u32; 2] {
 
 /// What the task owns.
 pub struct Control {
-    sampler: board::Sampler,
+    sampler: board::AdcSampler,
     set_points: board::SetPoints,
-    chain: board::Chain,
+    chain: board::ChainPin,
     enable: Option<drive::Enable>,
     bench: Option<Bench>,
     outputs: [Output; BLOCK_TICKS],
@@ -47,8 +47,8 @@ pub struct Control {
 impl Control {
     /// At rest; without the `enable`'s pin, nothing is ever driven. `kept`: the record in the memory that outlives a reset.
     pub(super) fn new(
-        (sampler, set_points): (board::Sampler, board::SetPoints),
-        (chain, reports): (board::Chain, board::Reports),
+        (sampler, set_points): (board::AdcSampler, board::SetPoints),
+        (chain, reports): (board::ChainPin, board::Reports),
         enable: Option<board::EnablePin>,
         bench: Option<Bench>,
         kept: Option<FaultRecord>,

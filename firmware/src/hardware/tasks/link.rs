@@ -30,14 +30,14 @@ pub struct Link {
     rate: RateFinder,
     timer: board::LinkTimer,
     session: Session<QUEUE>,
-    store: board::Store,
+    store: board::FlashStore,
     turns: u32,
     boot: u32,
 }
 
 impl Link {
     /// Nothing sent yet.
-    pub(super) fn new(serial: board::Serial, timer: board::LinkTimer, store: board::Store) -> Self {
+    pub(super) fn new(serial: board::Serial, timer: board::LinkTimer, store: board::FlashStore) -> Self {
         Self {
             serial,
             rate: RateFinder::default(),

@@ -41,13 +41,13 @@ pub use supervisor::Supervisor;
 /// The board, set up and safe: the drive is off, nothing samples yet.
 pub struct Board {
     /// Samples in, by DMA.
-    pub sampler: board::Sampler,
+    pub sampler: board::AdcSampler,
     /// Set-points out, by DMA.
     pub set_points: board::SetPoints,
     /// The drive's enable line; a board that must not drive has none to give.
     pub enable: Option<board::EnablePin>,
     /// The emergency-stop chain.
-    pub chain: board::Chain,
+    pub chain: board::ChainPin,
     /// Checks that blocks are being served.
     pub block_monitor: board::BlockMonitor,
     /// The link's wire.
@@ -55,7 +55,7 @@ pub struct Board {
     /// Ticks the link task.
     pub link_timer: board::LinkTimer,
     /// The storage of the settings.
-    pub store: board::Store,
+    pub store: board::FlashStore,
     /// Shows the state.
     pub led: board::LedPin,
     /// Starts and stops.
