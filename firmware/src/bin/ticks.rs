@@ -59,7 +59,11 @@ fn main() -> ! {
 
 /// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `model`.
 #[inline(never)]
-fn counts(stopwatch: &SysTickStopwatch, model: &DrivenModel, work: impl Fn(&mut DrivenModel)) -> u32 {
+fn counts(
+    stopwatch: &SysTickStopwatch,
+    model: &DrivenModel,
+    work: impl Fn(&mut DrivenModel),
+) -> u32 {
     let start = stopwatch.now();
     for _ in 0..REPEATS {
         let mut copy = *black_box(model);

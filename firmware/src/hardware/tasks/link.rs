@@ -37,7 +37,11 @@ pub struct Link {
 
 impl Link {
     /// Nothing sent yet.
-    pub(super) fn new(serial: board::Serial, timer: board::LinkTimer, store: board::FlashStore) -> Self {
+    pub(super) fn new(
+        serial: board::Serial,
+        timer: board::LinkTimer,
+        store: board::FlashStore,
+    ) -> Self {
         Self {
             serial,
             rate: RateFinder::default(),

@@ -38,6 +38,7 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
     };
     let flow = HammerFlow {
         rig,
+        plain: (rig, None),
         omega: 0.0,
         drive_acceleration: 0.0,
         mode: SwitchMode::Contact,

@@ -54,6 +54,16 @@ impl<R: Scalar> FlowPoint<R> {
             cart: [R::ZERO; 2],
         }
     }
+
+    /// Without derivatives.
+    pub fn in_values(&self) -> FlowPoint<f64> {
+        FlowPoint {
+            t: self.t.to_f64(),
+            q: self.q.to_f64(),
+            v: self.v.to_f64(),
+            cart: self.cart.map(R::to_f64),
+        }
+    }
 }
 
 /// The hammer under a rig and a drive on one side of the switch.
@@ -61,6 +71,8 @@ impl<R: Scalar> FlowPoint<R> {
 pub struct HammerFlow<'a, R> {
     /// The rig.
     pub rig: &'a Rig<R>,
+    /// Rig and cart in plain numbers.
+    pub plain: (&'a Rig<f64>, Option<&'a Cart<f64>>),
     /// Ω, rad/s.
     pub omega: f64,
     /// A0 Ω², m/s².
@@ -92,7 +104,26 @@ struct Acting<R> {
 /// A step of the hammer.
 pub type HammerStep<R> = FlowStep<R, FlowPoint<R>, FlowTotals>;
 
-impl<R: Scalar> HammerFlow<'_, R> {
+impl<'a, R: Scalar> HammerFlow<'a, R> {
+    /// The same flow in plain numbers: what needs no derivatives is cheaper there.
+    pub fn in_values(&self) -> HammerFlow<'a, f64> {
+        let (rig, cart) = self.plain;
+        HammerFlow {
+            rig,
+            plain: self.plain,
+            omega: self.omega,
+            drive_acceleration: self.drive_acceleration,
+            mode: self.mode,
+            approach: self.approach.to_f64(),
+            smoothed: self.smoothed.map(|s| Smoothed {
+                epsilon_alpha: s.epsilon_alpha.to_f64(),
+                epsilon_beta: s.epsilon_beta.to_f64(),
+            }),
+            recoil: cart.zip(self.recoil.map(|(_, units)| units)),
+            units: self.units,
+        }
+    }
+
     /// A0 Ω² sin Ωt at time `t` after phase 0, m/s².
     #[inline]
     pub fn drive(&self, t: R) -> R {
@@ -219,6 +250,7 @@ impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
         if self.smoothed.is_some() {
             return None;
         }
-        Some(((), switching::locate(self, from, h, end)?))
+        let at = switching::locate(&self.in_values(), &from.in_values(), h, &end.in_values())?;
+        Some(((), switching::instant(self, from, at)))
     }
 }

@@ -47,6 +47,8 @@ pub struct Reference<R> {
     plain: Rig<f64>,
     /// A cart that recoils.
     cart: Option<Cart<R>>,
+    /// The same in f64.
+    plain_cart: Option<Cart<f64>>,
     omega: f64,
     period_s: f64,
     tolerance: f64,
@@ -104,6 +106,7 @@ impl<R: Scalar> Reference<R> {
         let hammer = Self::with(rig, plain, [q, v], (unit, unit * omega));
         Ok(Self {
             cart: Cart::of(params),
+            plain_cart: Cart::of(params),
             omega,
             period_s: 1.0 / frequency_hz,
             max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
@@ -117,6 +120,7 @@ impl<R: Scalar> Reference<R> {
             rig,
             plain,
             cart: None,
+            plain_cart: None,
             omega: 0.0,
             period_s: f64::MAX,
             tolerance: TOLERANCE,
@@ -209,6 +213,7 @@ impl<R: Scalar> Reference<R> {
         let amplitude = self.plain.amplitude();
         HammerFlow {
             rig: &self.rig,
+            plain: (&self.plain, self.plain_cart.as_ref()),
             omega: self.omega,
             drive_acceleration: amplitude * self.omega * self.omega,
             mode: self.mode,
@@ -310,12 +315,12 @@ impl<R: Scalar> Reference<R> {
         period: &mut Period<f64>,
         observer: &mut impl TrajectoryObserver,
     ) {
-        let flow = self.flow();
-        let (start, end) = (real(&self.point), real(&step.end));
-        let (start_acceleration, _) = flow.acceleration(&self.point);
-        let (end_acceleration, _) = flow.acceleration(&step.end);
+        let flow = self.flow().in_values();
+        let (start, end) = (self.point.in_values(), step.end.in_values());
+        let (start_acceleration, _) = flow.acceleration(&start);
+        let (end_acceleration, _) = flow.acceleration(&end);
         if self.mode == SwitchMode::Contact {
-            let (peak_at, peak) = switching::force_peak(&flow, &self.point, &step.end);
+            let (peak_at, peak) = switching::force_peak(&flow, &start, &end);
             let began = self.cycle as f64 * self.period_s;
             if let Some(open) = &mut self.open {
                 if peak > open.peak_force_n {
@@ -339,9 +344,9 @@ impl<R: Scalar> Reference<R> {
             mode: self.mode,
             approach: self.approach.to_f64(),
             start,
-            start_acceleration: start_acceleration.to_f64(),
+            start_acceleration,
             end,
-            end_acceleration: end_acceleration.to_f64(),
+            end_acceleration,
         });
         self.totals.add(&step.totals, 1.0);
         self.point = step.end;
@@ -400,14 +405,5 @@ impl Reference<f64> {
             max_step,
             ..Self::with(*rig, *rig, section, units)
         }
-    }
-}
-
-fn real<R: Scalar>(p: &FlowPoint<R>) -> FlowPoint<f64> {
-    FlowPoint {
-        t: p.t.to_f64(),
-        q: p.q.to_f64(),
-        v: p.v.to_f64(),
-        cart: p.cart.map(R::to_f64),
     }
 }

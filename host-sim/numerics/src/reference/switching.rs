@@ -57,21 +57,20 @@ impl Arc {
     }
 }
 
-/// The time after `from` at which the mode's side of the switch is left, if it is within the step of
+/// The time after `from` (s) at which the mode's side of the switch is left, if it is within the step of
 /// length `h` that ended at `end`.
-pub fn locate<R: Scalar>(
-    flow: &HammerFlow<R>,
-    from: &FlowPoint<R>,
+pub fn locate(
+    flow: &HammerFlow<f64>,
+    from: &FlowPoint<f64>,
     h: f64,
-    end: &FlowPoint<R>,
-) -> Option<R> {
+    end: &FlowPoint<f64>,
+) -> Option<f64> {
     if out_of_reach(flow, from, h, end) {
         return None;
     }
     let (a0, _) = flow.acceleration(from);
     let (a1, _) = flow.acceleration(end);
-    let triple = |p: &FlowPoint<R>, a: R| (p.q.to_f64(), p.v.to_f64(), a.to_f64());
-    let arc = Arc::new(h, triple(from, a0), triple(end, a1));
+    let arc = Arc::new(h, (from.q, from.v, a0), (end.q, end.v, a1));
     // Positive: the mode's side is left.
     let sign = match flow.mode {
         SwitchMode::Flight => 1.0,
@@ -79,17 +78,14 @@ pub fn locate<R: Scalar>(
     };
     let guess = |s: f64| {
         let (q, v) = arc.at(s);
-        sign * indicator_of(flow, from.t.to_f64() + s * h, q, v)
+        sign * indicator_of(flow, from.t + s * h, q, v)
     };
-    let exact = |s: f64| {
-        let there = reached(flow, from, R::from_f64(s * h));
-        sign * flow.indicator(&there).to_f64()
-    };
+    let exact = |s: f64| sign * flow.indicator(&reached(flow, from, s * h));
     let at = |j: usize| j as f64 / SAMPLES as f64;
     let mut values = [0.0; SAMPLES + 1];
     for (j, value) in values.iter_mut().enumerate() {
         *value = if j == SAMPLES {
-            exact_end(flow, end, sign)
+            sign * flow.indicator(end)
         } else {
             guess(at(j))
         };
@@ -119,76 +115,71 @@ pub fn locate<R: Scalar>(
         }
     }
     let (low, high) = bracket?;
-    let s = root(&guess, &exact, flow, from, h, (low, high), sign);
-    let time = R::from_f64(s * h);
-    let there = reached(flow, from, time);
-    let g = flow.indicator(&there);
-    let slope = indicator_slope(flow, &there);
-    // Same value; in dual numbers, with the derivatives of the instant.
-    let instant = time.as_root_of(g, slope);
-    Some(instant)
+    Some(h * root(&guess, &exact, flow, from, h, (low, high), sign))
+}
+
+/// The time `at` (s) that [`locate`] found after `from`: the same value; in dual numbers, with the derivatives of the instant.
+pub fn instant<R: Scalar>(flow: &HammerFlow<R>, from: &FlowPoint<R>, at: f64) -> R {
+    let at = R::from_f64(at);
+    let there = reached(flow, from, at);
+    let slope = indicator_slope(&flow.in_values(), &there.in_values());
+    at.as_root_of(flow.indicator(&there), slope)
 }
 
 /// Whether the surface is too far away to be met in this step.
-fn out_of_reach<R: Scalar>(
-    flow: &HammerFlow<R>,
-    from: &FlowPoint<R>,
+fn out_of_reach(
+    flow: &HammerFlow<f64>,
+    from: &FlowPoint<f64>,
     h: f64,
-    end: &FlowPoint<R>,
+    end: &FlowPoint<f64>,
 ) -> bool {
     if flow.mode == SwitchMode::Contact {
         return false;
     }
     let a = flow.rig.kinematics(from.q, from.v);
     let b = flow.rig.kinematics(end.q, end.v);
-    let reach = h * (a.rate.to_f64().abs() + b.rate.to_f64().abs());
-    a.delta.to_f64().max(b.delta.to_f64()) + reach < 0.0
+    let reach = h * (a.rate.abs() + b.rate.abs());
+    a.delta.max(b.delta) + reach < 0.0
 }
 
-fn indicator_of<R: Scalar>(flow: &HammerFlow<R>, t: f64, q: f64, v: f64) -> f64 {
-    let point = FlowPoint::on_course(R::from_f64(t), R::from_f64(q), R::from_f64(v));
-    flow.indicator(&point).to_f64()
-}
-
-fn exact_end<R: Scalar>(flow: &HammerFlow<R>, end: &FlowPoint<R>, sign: f64) -> f64 {
-    sign * flow.indicator(end).to_f64()
+fn indicator_of(flow: &HammerFlow<f64>, t: f64, q: f64, v: f64) -> f64 {
+    flow.indicator(&FlowPoint::on_course(t, q, v))
 }
 
 /// What a metre of penetration adds to the indicator.
-fn indicator_per_metre<R: Scalar>(flow: &HammerFlow<R>) -> f64 {
+fn indicator_per_metre(flow: &HammerFlow<f64>) -> f64 {
     match flow.rig.law() {
-        shared::model::contact::Law::SpringDashpot { stiffness, .. } => stiffness.to_f64(),
+        shared::model::contact::Law::SpringDashpot { stiffness, .. } => *stiffness,
         _ => 1.0,
     }
 }
 
 /// dI/dt along the flow, by a central difference about a point where I is nearly zero.
-fn indicator_slope<R: Scalar>(flow: &HammerFlow<R>, p: &FlowPoint<R>) -> f64 {
+fn indicator_slope(flow: &HammerFlow<f64>, p: &FlowPoint<f64>) -> f64 {
     const DT: f64 = 1e-9;
     let (a, _) = flow.acceleration(p);
-    let (q, v, a) = (p.q.to_f64(), p.v.to_f64(), a.to_f64());
     let at = |dt: f64| {
-        let (q, v) = (q + dt * (v + 0.5 * dt * a), v + dt * a);
-        indicator_of(flow, p.t.to_f64() + dt, q, v)
+        let (q, v) = (p.q + dt * (p.v + 0.5 * dt * a), p.v + dt * a);
+        indicator_of(flow, p.t + dt, q, v)
     };
     (at(DT) - at(-DT)) / (2.0 * DT)
 }
 
 /// The root of `exact` in the bracket (in fractions of the step): first on the quintic, then by Newton's
 /// iteration on the integrator, and by bisection where Newton's does not settle.
-fn root<R: Scalar>(
+fn root(
     guess: &impl Fn(f64) -> f64,
     exact: &impl Fn(f64) -> f64,
-    flow: &HammerFlow<R>,
-    from: &FlowPoint<R>,
+    flow: &HammerFlow<f64>,
+    from: &FlowPoint<f64>,
     h: f64,
     (low, high): (f64, f64),
     sign: f64,
 ) -> f64 {
     let (_, mut s) = halved((low, high), 40, |s| guess(s) > 0.0);
     for _ in 0..8 {
-        let there = reached(flow, from, R::from_f64(s * h));
-        let g = sign * flow.indicator(&there).to_f64();
+        let there = reached(flow, from, s * h);
+        let g = sign * flow.indicator(&there);
         let slope = sign * indicator_slope(flow, &there);
         let correction = g / slope;
         if !correction.is_finite() {
@@ -207,22 +198,22 @@ fn root<R: Scalar>(
 }
 
 /// When (s after phase 0) and how large the force is at its largest between two points in contact, N.
-pub fn force_peak<R: Scalar>(
-    flow: &HammerFlow<R>,
-    from: &FlowPoint<R>,
-    end: &FlowPoint<R>,
+pub fn force_peak(
+    flow: &HammerFlow<f64>,
+    from: &FlowPoint<f64>,
+    end: &FlowPoint<f64>,
 ) -> (f64, f64) {
-    let force_rate = |p: &FlowPoint<R>| {
+    let force_rate = |p: &FlowPoint<f64>| {
         let (a, force) = flow.acceleration(p);
         let at = flow.rig.kinematics(p.q, p.v);
         let (by_delta, by_rate) = flow.rig.law().gradient(at.delta, at.rate, flow.approach);
         let change = flow.rig.penetration_acceleration(&at, p.v, a);
         let rate = by_delta * at.rate + by_rate * change;
-        (force.to_f64(), rate.to_f64())
+        (force, rate)
     };
     let (f0, r0) = force_rate(from);
     let (f1, r1) = force_rate(end);
-    let (t0, t1) = (from.t.to_f64(), end.t.to_f64());
+    let (t0, t1) = (from.t, end.t);
     if !(r0 > 0.0 && r1 < 0.0) {
         return if f0 > f1 { (t0, f0) } else { (t1, f1) };
     }
@@ -232,7 +223,7 @@ pub fn force_peak<R: Scalar>(
     for _ in 0..12 {
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let inside = secant.clamp(a.0 + 0.01 * (b.0 - a.0), b.0 - 0.01 * (b.0 - a.0));
-        let there = reached(flow, from, R::from_f64(inside));
+        let there = reached(flow, from, inside);
         let (force, rate) = force_rate(&there);
         if force > best.1 {
             best = (t0 + inside, force);
