@@ -30,8 +30,8 @@ const LAGS: usize = 12;
 /// Contacts in the correlation and in the mean of peaks.
 const MEMORY: f32 = 16.0;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
-/// samples fall in the ringing: at 5 kHz there are four of them to a swing.
-const TWO_MEMORY: f32 = 64.0;
+/// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
+const TWO_MEMORY: f32 = 512.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
 /// True peak over largest sample, at most, where nothing is known yet.
