@@ -73,7 +73,7 @@ The published table is that of Ghosh and Simpson (arXiv 2510.16218, with the dat
 the limit of a short contact five folds agree within 1e-10 of the drive's amplitude, both multipliers at six
 period doublings within 5e-8, and those of two orbits between to the five digits published
 (`cargo test -p host-sim --test reference published`). The error at a finite contact time falls in proportion
-to it. [orbits.md](orbits.md) has the table.
+to it. [checks.md](checks.md) says what else was compared.
 
 The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per
 tick). The reference always runs at this rounded frequency, so both solve the same problem.

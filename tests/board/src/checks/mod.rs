@@ -216,17 +216,14 @@ mod tests {
     }
 
     #[test]
-    fn every_check_is_described_and_every_row_of_the_audit_names_what_would_find_it() {
+    fn every_check_is_described() {
         let page = page("board-machine.md");
         let (_, ran) = page.split_once("## What runs").unwrap();
-        let (ran, audit) = ran.split_once("## What the audit found").unwrap();
+        let (ran, _) = ran.split_once("## The processor").unwrap();
         for (name, _) in ALL.iter().chain(&LONG) {
             // Several of two at once share a row.
             let row = name.split(':').next().unwrap();
             assert!(ran.contains(&format!("`{row}`")), "no row for {name:?}");
         }
-        let (audit, _) = audit.split_once("## ").unwrap();
-        let named = quoted(audit).filter(|name| is_check(name)).count();
-        assert!(named >= 20, "{named} checks are named");
     }
 }
