@@ -1,5 +1,6 @@
 //! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
 
+use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
@@ -157,19 +158,31 @@ pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Bra
     let unit = params.natural_frequency_hz();
     let limits_hz = (limits_ratio.0 * unit, limits_ratio.1 * unit);
     let mut found: Vec<Branch> = Vec::new();
-    for ratio in SEEDS {
-        let frequency_hz = ratio * unit;
-        let known = |b: &Branch| (b.low.frequency_hz..=b.high.frequency_hz).contains(&frequency_hz);
-        if !(limits_ratio.0..=limits_ratio.1).contains(&ratio) || found.iter().any(known) {
-            continue;
-        }
+    let settled = |ratio: f64| {
         let push = Start::Moving(-3.0 * params.amplitude_m - params.gap_m.abs(), 0.0);
-        for start in [Start::Rest, push] {
-            if let Some(seed) = settle(params, frequency_hz, start, SETTLE) {
+        let mut starts = [Start::Rest, push].into_iter();
+        starts.find_map(|start| settle(params, ratio * unit, start, SETTLE))
+    };
+    let known = |found: &[Branch], ratio: f64| {
+        let holds =
+            |b: &Branch| (b.low.frequency_hz..=b.high.frequency_hz).contains(&(ratio * unit));
+        found.iter().any(holds)
+    };
+    let mut seeds: Vec<f64> = SEEDS.to_vec();
+    seeds.retain(|ratio| (limits_ratio.0..=limits_ratio.1).contains(ratio));
+    // The first branch covers most seeds; what is left of them is looked at side by side.
+    while !seeds.is_empty() {
+        let side_by_side = if found.is_empty() { 1 } else { seeds.len() };
+        let orbits: Vec<_> = seeds
+            .par_drain(..side_by_side)
+            .map(|ratio| (ratio, settled(ratio)))
+            .collect();
+        for (ratio, orbit) in orbits {
+            if let Some(seed) = orbit.filter(|_| !known(&found, ratio)) {
                 found.push(Branch::follow(params, seed, limits_hz));
-                break;
             }
         }
+        seeds.retain(|ratio| !known(&found, *ratio));
     }
     found.sort_by(|a, b| a.low.frequency_hz.total_cmp(&b.low.frequency_hz));
     found

@@ -179,7 +179,9 @@ fn pick_at_amplitude(
 ) -> Result<Pick, Error> {
     let params = &rig.params;
     params.check()?;
-    let branch = best_branch(rig)?;
+    let own = || best_branch(rig);
+    let (branch, other) = rayon::join(own, || other_cart(rig, limits, progress));
+    let branch = branch?;
     check(progress)?;
     let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
     let (_, nominal) =
@@ -249,7 +251,6 @@ fn pick_at_amplitude(
     // The very orbit chosen, unless uncertainty, shaker or bending modes leave less than the nominal rig could do.
     let own = own.filter(|own| own.force_ratio > chosen.force_ratio * (1.0 + 1e-6));
     let own = own.unwrap_or(chosen);
-    let other = other_cart(rig, limits, progress);
     let band = force_band(params, &branch, &choice.orbit);
     let (low, high) = allowed(&choice.orbit, choice.allowed);
     let worst = |hz: f64| Some(field.weakest_at(hz)? / params.weight_n());
