@@ -156,9 +156,10 @@ impl Ringing {
         ratio(self.found.peak_n, self.read.peak_n)
     }
 
-    /// True peak over what two samples in a row reach in the last contacts, at most; 1 while nothing is known.
+    /// True peak over what two samples in a row reach in the last contacts, at most; 1 while nothing is known. Of a contact of
+    /// one sample they reach nothing: more than is believed is none.
     pub fn peak_over_two(&self) -> f32 {
-        ratio(1.0, self.two_share)
+        ratio(1.0, self.two_share).min(BELIEVED.1)
     }
 
     /// How many times what it seems to be the peak may still be.
