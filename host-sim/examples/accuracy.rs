@@ -42,23 +42,19 @@ const INTRODUCTION: &str = "\
 
 How far is the microcontroller's model from the exact solution, and which stepper and tick should you
 use? *This page is written by `cargo run --release -p host-sim --example accuracy`; run it to measure
-everything again (five to ten minutes).*
+everything again.*
 
-All figures come from simulation on a desktop computer. They compare the switch model of `shared`, in
-`f32` as on the microcontroller or in `f64`, with the event-located reference of `host-sim`. Tests compare
-the reference itself with closed forms, with an independent SciPy integration and with a published table. A *stepper* is the way
-the switch model handles the step in which contact begins or ends: `Corrected`, `Banded` or `Smoothed`
-(`--stepper corrected` and so on).
+The figures compare the switch model of `shared`, in `f32` as on the microcontroller or in `f64`, with the event-located
+reference. [checks.md](checks.md) says what the reference itself was compared with. A *stepper* is the way the switch model
+handles the step in which contact begins or ends: `Corrected`, `Banded` or `Smoothed` (`--stepper corrected` and so on).
 
 The results in short:
 
 - **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or
   release, so its error is that of Runge–Kutta: fourth order in the tick. Below some 20 µs only the
-  rounding of `f32` remains, far below anything that can be measured. This holds for the spring-dashpot
-  contact and, since a tick is cut into pieces while in contact, for the nonlinear laws: on 27 random rigs with Hertz,
-  Hunt–Crossley and Lankarani–Nikravesh contacts (as hard as the presets' to a hundred times harder) the largest force
-  at 50 µs is within 8e-6 of the reference's, and every regime is the same (`cargo test -p host-sim --test nonlinear`).
-  A contact that is too hard even for that is refused, and the line names a tick that is short enough.
+  rounding of `f32` remains. On 27 random rigs with nonlinear laws, as hard as the presets' to a hundred times harder,
+  the largest force at 50 µs is within 8e-6 of the reference's (`cargo test -p host-sim --test nonlinear`). A contact
+  that is too hard even for that is refused, and the line names a tick that is short enough.
 - At 100 µs (six steps per contact of 0.57 ms) forces are still accurate to about a tenth of a percent. At
   200 µs they are not, the section no longer repeats, and impacts may even die out.
 - **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that
@@ -67,13 +63,6 @@ The results in short:
 - **`Smoothed`** converges to the switch on a periodic orbit as its transition narrows, if the tick shrinks
   with it. It is kept for comparison. Its rows compare the law's F at the peak; the force that acts there
   is smaller by the two arctangent factors.
-
-The published table is that of Ghosh and Simpson (arXiv 2510.16218, with the data of their repository
-`indrag49/VIVID`): an oscillator with a hard stop, restitution 0.9, which they continue by another method. In
-the limit of a short contact five folds agree within 1e-10 of the drive's amplitude, both multipliers at six
-period doublings within 5e-8, and those of two orbits between to the five digits published
-(`cargo test -p host-sim --test reference published`). The error at a finite contact time falls in proportion
-to it. [checks.md](checks.md) says what else was compared.
 
 The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per
 tick). The reference always runs at this rounded frequency, so both solve the same problem.
@@ -284,33 +273,9 @@ fn band_section() -> Result<String, UserError> {
         }
     };
     push("η_α", "m", band::by_eta_alpha());
-    text.push_str("\nη_β, with η_α = 1e-8 m:\n\n");
-    let mut push = |name: &str, unit: &str, rows: Vec<(f64, ErrorsOverTicks)>| {
-        text.push_str(&header(name, &band::TICKS_US));
-        for (width, row) in rows {
-            text.push_str(&row_text(&format!("{width} {unit}"), &row));
-        }
-    };
-    push("η_β", "N", band::by_eta_beta());
     text.push_str(
-        "\nCrossing the band reduces the speed by 2 η_α ci/m, since the damper alone acts there. The part of the band\n\
-         inside the surface would take its half without a band, too. The effect on a contact is therefore that of an\n\
-         approach slower by about half this amount. For a free mass of 0.298 kg at 0.08 m/s:\n\n\
-         | η_α | 2 η_α ci/m, m/s | equivalent loss of speed, m/s | share of 0.08 m/s, % |\n|---|---|---|---|\n",
-    );
-    for eta in [1e-6, 1e-7, 5e-8, 1e-8] {
-        let loss = band::loss(eta)?;
-        let _ = writeln!(
-            text,
-            "| {eta:e} m | {:.2e} | {:.2e} | {:.2} |",
-            loss.formula_m_per_s,
-            loss.equivalent_m_per_s,
-            100.0 * loss.equivalent_m_per_s / band::APPROACH_M_PER_S
-        );
-    }
-    text.push_str(
-        "\nA hammer slower than 2 η_α ci/m is trapped in the band. So is one that rebounds slower than ki η_α/ci: on\n\
-         the way out the band's damper pulls as long as F > 0.\n\n\
+        "\nThe damper alone acts in the band, so crossing it reduces the speed by 2 η_α ci/m: a hammer slower than\n\
+         that is trapped.\n\n\
          ## The smoothing method\n\nThe same point; ε_β = 1e7 N/m · ε_α.\n\n",
     );
     text.push_str(&header("ε_α", &band::TICKS_US));

@@ -3,14 +3,12 @@
 use std::f64::consts::PI;
 
 use rayon::prelude::*;
-use shared::Real;
 use shared::model::contact::TABLE_3_1;
 use shared::model::contacts::Contact;
 use shared::model::drive::Drive;
 use shared::model::params::{BEAM_170, RigParams, SupportParams};
 use shared::model::rig::Rig;
-use shared::model::step::{Banded, HammerState, Stepper};
-use shared::model::switch::Band;
+use shared::model::step::{HammerState, Stepper};
 use shared::model::twin::Twin;
 
 use super::named::{NamedPoint, StepperCell};
@@ -37,9 +35,6 @@ const PLAN: Plan = Plan {
 
 /// η_α compared, m.
 pub const ETA_ALPHA_M: [f64; 6] = [1e-5, 1e-6, 1e-7, 5e-8, 1e-8, 1e-9];
-
-/// η_β compared, N.
-pub const ETA_BETA_N: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
 
 /// ε_α of the smoothing method compared, m (ε_β is 1e7 N/m times that).
 pub const EPSILON_M: [f64; 4] = [1e-6, 2.5e-7, 6.25e-8, 1.5e-8];
@@ -70,14 +65,6 @@ pub fn by_eta_alpha() -> Vec<(f64, ErrorsOverTicks)> {
     })
 }
 
-/// Errors against η_β, with η_α = 1e-8 m.
-pub fn by_eta_beta() -> Vec<(f64, ErrorsOverTicks)> {
-    rows(&ETA_BETA_N, |eta_beta_n| Method::Banded {
-        eta_alpha_m: 1e-8,
-        eta_beta_n,
-    })
-}
-
 /// Errors of the smoothing method against ε_α.
 pub fn by_epsilon() -> Vec<(f64, ErrorsOverTicks)> {
     rows(&EPSILON_M, |epsilon_alpha_m| Method::Smoothed {
@@ -86,19 +73,8 @@ pub fn by_epsilon() -> Vec<(f64, ErrorsOverTicks)> {
     })
 }
 
-/// What the band does to one contact of a free mass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Loss {
-    /// η_α, m.
-    pub eta_alpha_m: f64,
-    /// 2 η_α ci/m, m/s.
-    pub formula_m_per_s: f64,
-    /// What the approach speed would have to be less by, without a band, for the same rebound, m/s.
-    pub equivalent_m_per_s: f64,
-}
-
 /// Approach speed of the single contacts, m/s.
-pub const APPROACH_M_PER_S: f64 = 0.08;
+const APPROACH_M_PER_S: f64 = 0.08;
 
 /// Contact damping ratio of the free mass on the spring-dashpot of Table 3.1.
 fn damping_ratio() -> f64 {
@@ -120,17 +96,13 @@ fn free_mass() -> RigParams {
 }
 
 /// One contact of a free mass at 0.08 m/s, begun `clearance_m` before the surface.
-fn single<R: Real, S: Stepper<R>>(
-    stepper: S,
+fn single(
+    stepper: impl Stepper<f32>,
     tick_s: f64,
     clearance_m: f64,
-) -> Result<Option<Contact<R>>, Error> {
-    let rig = Rig::<R>::new(&free_mass())?;
-    let state = HammerState::new(
-        &rig,
-        R::from_f64(-clearance_m),
-        R::from_f64(APPROACH_M_PER_S),
-    );
+) -> Result<Option<Contact<f32>>, Error> {
+    let rig = Rig::new(&free_mass())?;
+    let state = HammerState::new(&rig, -clearance_m as f32, APPROACH_M_PER_S as f32);
     let mut twin = Twin::new(rig, Drive::new(0.1, tick_s)?, stepper, state);
     Ok((0..1_000_000).find_map(|_| twin.tick().contact))
 }
@@ -163,20 +135,4 @@ fn peak_force(mass_kg: f64) -> f64 {
     let omega = (TABLE_3_1.stiffness() / mass_kg).sqrt();
     let angle = (3.0 * zeta.acos() - PI) / (1.0 - zeta * zeta).sqrt();
     mass_kg * APPROACH_M_PER_S * omega * (-zeta * angle).exp()
-}
-
-/// What the band takes from one contact at 0.08 m/s, at a tick of 2 ns.
-///
-/// # Errors
-/// If the width is not positive.
-pub fn loss(eta_alpha_m: f64) -> Result<Loss, Error> {
-    let mass_kg = free_mass().mass_kg;
-    let band = Band::new(eta_alpha_m, 0.0);
-    let contact = single::<f64, _>(Banded { band }, 2e-9, 2.0 * eta_alpha_m)?;
-    let rebound = contact.map_or(f64::NAN, |c| c.rebound_speed);
-    Ok(Loss {
-        eta_alpha_m,
-        formula_m_per_s: 2.0 * eta_alpha_m * TABLE_3_1.onset_force(1.0) / mass_kg,
-        equivalent_m_per_s: APPROACH_M_PER_S - rebound / restitution(damping_ratio()),
-    })
 }
