@@ -39,6 +39,20 @@ fn a_trial_can_be_shown_and_run_by_itself() {
     assert_eq!(number(&verdict, "force_share"), number(one, "force_share"));
 }
 
+/// A rig as `rig new` writes it, of whose shaker the loop is known and the largest force is not.
+#[test]
+fn ones_own_rig_is_tried_whose_shakers_largest_force_is_not_known() {
+    let folder = Folder::new();
+    let rig = "rig new mine.toml --support wires --mass 298g --swings 20 --swing-time 10.99s --stroke 1.8mm \
+               --cart-mass 5.4kg --restitution 0.32 --contact-time 0.57ms --shaker-loop 50Hz";
+    folder.run(rig).well();
+    let trials = "trials --rig mine.toml --count 2 --seconds 20 --format json";
+    let all = folder.run(trials).json();
+    for one in all["trials"].as_array().expect("trials") {
+        assert_eq!(one["held"], true, "{one}");
+    }
+}
+
 /// The natural frequency by 5 % within a minute, which a rig does in ten.
 #[test]
 fn rigs_that_drift_are_held_without_a_trip_and_the_answer_says_how_many_how_long_and_the_worst() {

@@ -17,7 +17,7 @@ use shared::model::params::preset;
 use crate::local::Local;
 use crate::optimum::two_bodies_at;
 use crate::run::run;
-use crate::scenario::{Scenario, parse};
+use crate::scenario::{MOST_FORCE_N, Scenario, parse};
 use crate::verdict::{Best, judge_by};
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -65,7 +65,11 @@ impl Believed {
         let shaker = match rig.recoiling().map(|rig| rig.params.cart) {
             Some(CartDrive::Loop(held)) => format!(
                 "[shaker]\nloop_hz = {:?}\nloop_damping_ratio = {:?}\nfeed_forward = {:?}\nforce_n = {:?}\n\n",
-                held.frequency_hz, held.damping_ratio, held.feed_forward, held.max_force_n
+                held.frequency_hz,
+                held.damping_ratio,
+                held.feed_forward,
+                // A rig file without one leaves it unlimited.
+                held.max_force_n.min(MOST_FORCE_N)
             ),
             _ => String::new(),
         };

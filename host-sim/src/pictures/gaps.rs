@@ -7,7 +7,7 @@ use plot::{Axis, Color, Figure, Item, Mark, Panel};
 pub fn figure(advice: &GapTable, cart: &str) -> Figure {
     let rig = advice.gaps.first().map_or("", |row| row.rig.as_str());
     let title = match advice.advised_gap_mm {
-        Some(gap) => format!("Run the {rig} hammer at a gap of {gap:?} mm ({cart})"),
+        Some(gap) => format!("{rig}: run at a gap of {gap:?} mm ({cart})"),
         None => format!("No gap for the {rig} hammer ({cart})"),
     };
     Figure::new(title)

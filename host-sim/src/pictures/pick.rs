@@ -18,7 +18,7 @@ pub const MARKS: &str = "Marks: sweep up; rings: sweep down; by regime.";
 pub fn figure(picks: &[Pick]) -> Figure {
     let title = match picks {
         [one] => format!(
-            "Run the {} hammer at {} Hz (gap {:?} mm)",
+            "{}: run at {} Hz (gap {:?} mm)",
             one.answer.rig,
             Digits::of(&one.answer).run_at(&one.answer),
             one.answer.gap_mm

@@ -38,7 +38,7 @@ pub fn figure(pick: &RopPick) -> Figure {
         panel = panel.item(Item::mark_x("hardest on a surface that stays", hz));
     }
     Figure::new(format!(
-        "Run the {} hammer at {:.4} Hz on ground that gives way at {:?} N (gap {:?} mm)",
+        "{}: run at {:.4} Hz on ground that gives way at {:?} N (gap {:?} mm)",
         a.rig, a.operating_frequency_hz, g.threshold_n, a.gap_mm
     ))
     .subtitle(format!(

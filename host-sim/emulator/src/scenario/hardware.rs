@@ -99,6 +99,9 @@ fn pick(
     }
 }
 
+/// The largest force that a scenario's shaker may have, N.
+pub(crate) const MOST_FORCE_N: f64 = 1e6;
+
 /// The shaker, its defaults for what is left out.
 pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
     let d = ShakerParams::default();
@@ -113,7 +116,7 @@ pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
             1.0,
             d.loop_damping_ratio,
         )?,
-        force_n: pick("force_n", file.force_n, (0.0, 1e6), 1.0, d.force_n)?,
+        force_n: pick("force_n", file.force_n, (0.0, MOST_FORCE_N), 1.0, d.force_n)?,
         feed_forward: pick(
             "feed_forward",
             file.feed_forward,

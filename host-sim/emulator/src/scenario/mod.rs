@@ -23,6 +23,7 @@ pub use change::RigChange;
 pub use definition::{Expect, Scenario};
 pub use event::{ScenarioAct, StartMode, Stuck, Timed};
 pub use file::parse;
+pub(crate) use hardware::MOST_FORCE_N;
 pub use sensor_fault::{SensorDefect, SensorFault, Which};
 
 /// The built-in scenario called `name`, or the one in the file of that path.
