@@ -266,13 +266,10 @@ fn band_section() -> Result<String, UserError> {
          over it.\n\nη_α, with η_β = 0.001 N:\n\n",
         p.rig, p.gap_mm, p.ratio
     );
-    let mut push = |name: &str, unit: &str, rows: Vec<(f64, ErrorsOverTicks)>| {
-        text.push_str(&header(name, &band::TICKS_US));
-        for (width, row) in rows {
-            text.push_str(&row_text(&format!("{width:e} {unit}"), &row));
-        }
-    };
-    push("η_α", "m", band::by_eta_alpha());
+    text.push_str(&header("η_α", &band::TICKS_US));
+    for (width, row) in band::by_eta_alpha() {
+        text.push_str(&row_text(&format!("{width:e} m"), &row));
+    }
     text.push_str(
         "\nThe damper alone acts in the band, so crossing it reduces the speed by 2 η_α ci/m: a hammer slower than\n\
          that is trapped.\n\n\

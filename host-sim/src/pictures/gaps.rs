@@ -8,7 +8,7 @@ pub fn figure(advice: &GapTable, cart: &str) -> Figure {
     let rig = advice.gaps.first().map_or("", |row| row.rig.as_str());
     let title = match advice.advised_gap_mm {
         Some(gap) => format!("{rig}: run at a gap of {gap:?} mm ({cart})"),
-        None => format!("No gap for the {rig} hammer ({cart})"),
+        None => format!("{rig}: no gap to run at ({cart})"),
     };
     Figure::new(title)
         .subtitle(advice.why.clone())
