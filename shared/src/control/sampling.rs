@@ -156,7 +156,8 @@ impl Controller {
         let peak_over_two = self.sense.ringing().peak_over_two();
         self.guard
             .set_levels(&self.settings.trips, &doubt, peak_over_two, rest);
-        self.trim.set_limits(&self.settings.limits, &doubt);
+        let by_hand = self.life.phase.is_manual();
+        self.trim.set_limits(&self.settings.limits, &doubt, by_hand);
     }
 
     /// A drive period has ended while the drive is on.

@@ -40,6 +40,9 @@ const CALM_PERIODS: u8 = 12;
 /// As much more of a limit as was reached in the last drive period is expected in the next, at most this, while the frequency
 /// moves.
 const GROWTH: f32 = 0.2;
+/// Shares of the limits of force and travel that are used by hand: the blows of an aperiodic motion differ, and where the 1/1 doubles
+/// the travel grows faster than a limit answers.
+const BY_HAND: (f32, f32) = (0.97, 0.92);
 /// What rounding may add to an amplitude at its limit.
 const ROUNDING: f32 = 1e-6;
 /// What the rebound of the strongest 1/1 adds to the travel, in amplitudes: 0.32 of its approach speed, 7.9 A0 ω, over ω.
@@ -112,10 +115,11 @@ impl Trim {
         }
     }
 
-    /// The limits from now on: those of the settings, nearer by what is doubted.
-    pub fn set_limits(&mut self, limits: &Limits, doubt: &Doubt) {
-        self.force_n = limits.force_n / doubt.force;
-        self.travel_m = limits.travel_m / doubt.travel;
+    /// The limits from now on: those of the settings, nearer by what is doubted, and by hand.
+    pub fn set_limits(&mut self, limits: &Limits, doubt: &Doubt, by_hand: bool) {
+        let (of_force, of_travel) = if by_hand { BY_HAND } else { (1.0, 1.0) };
+        self.force_n = of_force * limits.force_n / doubt.force;
+        self.travel_m = of_travel * limits.travel_m / doubt.travel;
         self.cart_doubt = doubt.cart;
     }
 

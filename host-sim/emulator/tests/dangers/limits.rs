@@ -106,7 +106,7 @@ fn the_force_limit_holds_at_any_set_point_by_hand() {
 }
 
 /// Above 2.6 natural frequencies the 1/1 doubles, and the travel grows by a third within a second: it was 120 to 132 % of the limit, and
-/// a trip level 30 % above it tripped.
+/// a trip level 30 % above it tripped; with the whole limit in use by hand, 103 to 111 %.
 #[test]
 fn the_travel_limit_holds_at_any_set_point_by_hand() {
     // Limit, mm; set-points, Hz; natural frequency beyond the settings', %.
@@ -118,6 +118,8 @@ fn the_travel_limit_holds_at_any_set_point_by_hand() {
         ("beam-150", 3.72, (10.65, 14.1), -5.7),
         ("beam-170", 3.51, (8.42, 14.35), 2.9),
         ("wires", 3.92, (4.31, 5.12), -0.7),
+        ("wires", 2.74, (5.1, 3.67), 1.2),
+        ("beam-135", 3.92, (8.52, 17.93), -1.7),
     ];
     ways.par_iter()
         .for_each(|(rig, limit_mm, (first_hz, then_hz), natural)| {
@@ -133,7 +135,7 @@ fn the_travel_limit_holds_at_any_set_point_by_hand() {
             let most = truth.travel_mm / limit_mm;
             println!("{way}: {most}");
             assert_eq!(faults(&truth), [], "{way}");
-            assert!(most < 1.15, "{way}: {most}");
+            assert!(most < 1.05, "{way}: {most}");
         });
 }
 

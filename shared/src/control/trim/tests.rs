@@ -181,7 +181,7 @@ fn what_is_doubted_comes_nearer_to_its_limit_and_nothing_further_away() {
     let limited = |strobe: Strobe, wanted_m: f32| {
         let mut trim = Trim::new(&settings);
         trim.set_wanted_amplitude(wanted_m);
-        trim.set_limits(&settings.limits, &doubt);
+        trim.set_limits(&settings.limits, &doubt, false);
         run(&mut trim, 20, |m| Strobe {
             amplitude_m: m,
             contacts: 1,
@@ -209,12 +209,41 @@ fn what_is_doubted_comes_nearer_to_its_limit_and_nothing_further_away() {
     // A cart that reads a tenth less, of a shaker that makes a tenth more of its command.
     let mut trim = Trim::new(&settings);
     trim.set_wanted_amplitude(most_m);
-    trim.set_limits(&settings.limits, &doubt);
+    trim.set_limits(&settings.limits, &doubt, false);
     let command = run(&mut trim, 100, |m| Strobe {
         amplitude_m: m,
         ..still
     });
     assert!((command * 1.1 / most_m - 1.0).abs() < 1e-3, "{command}");
+}
+
+#[test]
+fn by_hand_a_part_of_the_limits_of_force_and_travel_is_left() {
+    let settings = Settings::for_rig(&WIRES);
+    let (n, m) = (settings.limits.force_n, settings.limits.travel_m);
+    let none = Doubt {
+        force: 1.0,
+        travel: 1.0,
+        cart: 1.0,
+    };
+    for (by_hand, force, travel) in [(false, 0.99, 0.99), (true, 0.96, 0.91)] {
+        for (peak_n, travel_m, limited) in [
+            (force * n, travel * m, ActiveLimits::NONE),
+            ((force + 0.02) * n, 0.0, ActiveLimits::FORCE),
+            (0.0, (travel + 0.02) * m, ActiveLimits::TRAVEL),
+        ] {
+            let mut trim = Trim::new(&settings);
+            trim.set_limits(&settings.limits, &none, by_hand);
+            run(&mut trim, 5, |amplitude_m| Strobe {
+                amplitude_m,
+                contacts: 1,
+                peak_n,
+                travel_m,
+                ..Strobe::default()
+            });
+            assert_eq!(trim.limits(), limited, "{by_hand} {peak_n} {travel_m}");
+        }
+    }
 }
 
 /// The amplitude over A0 after each of so many drive periods with a force of `over` times the limit.
