@@ -187,8 +187,8 @@ fn a_trip_level_of_a_cart_that_reads_less_trips_by_the_truth() {
 
 #[test]
 fn a_trip_level_is_not_passed_by_a_hammer_whose_zero_is_off() {
-    // A push makes the travel 3.7 mm. With a zero that was 1.2 mm off, such a travel tripped nothing.
-    let push = "[[events]]\nat_s = 15.0\nkind = \"push\"\nspeed_m_per_s = -0.01\n";
+    // A push makes the travel more than 3.6 mm. With a zero that was 1.2 mm off, such a travel tripped nothing.
+    let push = "[[events]]\nat_s = 15.0\nkind = \"push\"\nspeed_m_per_s = -0.015\n";
     let with = |trip_mm: f64, offset_um: f64| {
         truth(&format!(
             "hammer_offset_um = {offset_um:?}\n[limits]\ntravel_mm = 3.4\n[trips]\ntravel_mm = {trip_mm:?}\n{BY_HAND}{push}"
@@ -204,7 +204,7 @@ fn a_trip_level_is_not_passed_by_a_hammer_whose_zero_is_off() {
 fn a_healthy_rig_on_its_way_to_a_set_point_is_not_doubted() {
     // Contacts too weak to be seen hid in the flights at low frequencies: the hammer seemed to read a tenth less. A travel
     // of 4.5 mm is reached.
-    let tables = "[limits]\ntravel_mm = 4.65\n[trips]\ntravel_mm = 4.7\n";
+    let tables = "[limits]\ntravel_mm = 5.05\n[trips]\ntravel_mm = 5.1\n";
     let truth = truth(&format!("{tables}{BY_HAND}"));
     assert_eq!(truth.faults, []);
     assert!(truth.travel_mm > 4.4, "{}", truth.travel_mm);
