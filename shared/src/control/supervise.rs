@@ -18,8 +18,6 @@ use crate::settings::{DriveKind, strong_force_n, ticks_of};
 
 /// How long a start waits for the forecast after the sensors are proven, s.
 const FORECAST_PATIENCE_S: f32 = 120.0;
-/// Force while the frequency moves, at most, over that of the forecast, at which it stands still.
-const ON_THE_WAY: f32 = 1.05;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -288,7 +286,7 @@ impl Controller {
         let force_n = force_n.unwrap_or_else(|| {
             strong_force_n(&self.settings.rig) as f32 * wanted_m / self.wanted_amplitude_m()
         });
-        self.trim.expect(ON_THE_WAY * force_n, way_hz.0.max(hz));
+        self.trim.expect(force_n, way_hz.0.max(hz));
     }
 
     pub(super) fn alive(&mut self) {
