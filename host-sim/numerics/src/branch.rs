@@ -1,11 +1,11 @@
 //! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
+use crate::parallel;
 
 /// How a stable 1/1 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -173,11 +173,9 @@ pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Bra
     // The first branch covers most seeds; what is left of them is looked at side by side.
     while !seeds.is_empty() {
         let side_by_side = if found.is_empty() { 1 } else { seeds.len() };
-        let orbits: Vec<_> = seeds
-            .par_drain(..side_by_side)
-            .map(|ratio| (ratio, settled(ratio)))
-            .collect();
-        for (ratio, orbit) in orbits {
+        let now: Vec<f64> = seeds.drain(..side_by_side).collect();
+        let orbits = parallel::map(&now, |ratio| settled(*ratio));
+        for (ratio, orbit) in now.into_iter().zip(orbits) {
             if let Some(seed) = orbit.filter(|_| !known(&found, ratio)) {
                 found.push(Branch::follow(params, seed, limits_hz));
             }

@@ -41,6 +41,7 @@ pub mod map;
 pub mod modes;
 pub mod noise;
 pub mod orbit;
+pub mod parallel;
 pub mod pick;
 pub mod poincare;
 pub mod progress;

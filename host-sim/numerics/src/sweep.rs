@@ -1,12 +1,12 @@
 //! The force curve over frequency (figures 3.12–3.14 and 3.40–3.42): from rest at each frequency, or
 //! carried up or down, which shows the jumps.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 use crate::engine::{CycleRecorder, Engine, Plan, Start, machine, observe, observe_settled};
 use crate::error::Error;
+use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::row::NamedRig;
 use crate::row::RunRow;
@@ -59,8 +59,8 @@ pub fn sweep(
     let run =
         |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
     if direction == Direction::Rest {
-        let rows = frequencies_hz.par_iter().map(|f| run(*f, Start::Rest));
-        return unless_all_failed(rows.collect::<Result<_, _>>()?);
+        let rows = parallel::try_map(frequencies_hz, |f| run(*f, Start::Rest))?;
+        return unless_all_failed(rows);
     }
     let mut order: Vec<f64> = frequencies_hz.to_vec();
     if direction == Direction::Down {
@@ -119,8 +119,8 @@ pub fn over(
 ) -> Result<Vec<RunRow>, Error> {
     let run = |(rig, hz): &(NamedRig, f64), start| run_one(rig, engine, *hz, start, plan, progress);
     if direction == Direction::Rest {
-        let rows = runs.par_iter().map(|one| run(one, Start::Rest));
-        return unless_all_failed(rows.collect::<Result<_, _>>()?);
+        let rows = parallel::try_map(runs, |one| run(one, Start::Rest))?;
+        return unless_all_failed(rows);
     }
     let mut order: Vec<&(NamedRig, f64)> = runs.iter().collect();
     if direction == Direction::Down {

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
 use shared::model::contact::TABLE_3_1;
 use shared::model::contacts::Contact;
 use shared::model::drive::Drive;
@@ -15,6 +14,7 @@ use super::named::{NamedPoint, StepperCell};
 use super::{Method, Setting};
 use crate::engine::{Plan, Precision};
 use crate::error::Error;
+use crate::parallel;
 use crate::pick::sensitivity::{contact_damping_ratio, restitution};
 
 /// Where the band is studied.
@@ -54,7 +54,7 @@ fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, Erro
         };
         (*width, TICKS_US.iter().map(at).collect())
     };
-    widths.par_iter().map(row).collect()
+    parallel::map(widths, row)
 }
 
 /// Errors against η_α, with η_β = 0.001 N.

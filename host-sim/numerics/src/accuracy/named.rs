@@ -1,12 +1,12 @@
 //! A few named points: every stepper at every tick.
 
-use rayon::prelude::*;
 use shared::model::params::{RigParams, preset};
 use shared::model::regime::Regime;
 
 use super::{Method, Setting, from_settled};
 use crate::engine::{Plan, Precision};
 use crate::error::Error;
+use crate::parallel;
 
 /// A point with a name people know it by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +128,7 @@ pub fn table(point: NamedPoint) -> Result<PointTable, Error> {
             };
             point.cell(setting, PLAN)
         };
-        TICKS_US.par_iter().map(at).collect()
+        parallel::map(&TICKS_US, at)
     };
     Ok(PointTable {
         point,

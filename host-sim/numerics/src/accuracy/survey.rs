@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use shared::model::params::{PRESETS, RigParams};
 use shared::model::regime::Regime;
 
 use super::{PeriodsOutcome, Setting, real_frequency, settle, settle_reference};
 use crate::engine::{Plan, Start};
 use crate::error::Error;
+use crate::parallel;
 
 /// How long each point runs from rest: 600 drive periods, the last 120 recorded.
 pub const PLAN: Plan = super::SETTLING;
@@ -82,10 +82,9 @@ pub fn points(seed: u64, count: usize) -> Result<Vec<SurveyPoint>, Error> {
             })
             .collect();
         drawn += batch.len();
-        let outcomes = batch
-            .par_iter()
-            .map(|p| settle_reference(&p.params(), p.frequency_hz(), Start::Rest, PLAN))
-            .collect::<Result<Vec<_>, _>>()?;
+        let outcomes = parallel::try_map(&batch, |p| {
+            settle_reference(&p.params(), p.frequency_hz(), Start::Rest, PLAN)
+        })?;
         let periodic = batch
             .into_iter()
             .zip(outcomes)
@@ -128,7 +127,7 @@ pub fn compare(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>
             seen: settle(setting, &params, point.frequency_hz(), Start::Rest, PLAN)?,
         })
     };
-    points.par_iter().map(one).collect()
+    parallel::try_map(points, one)
 }
 
 /// Runs the reference from rest at every point, and then both engines from where it settled: the same
@@ -148,7 +147,7 @@ pub fn compare_near(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Comp
             seen: settle(setting, &params, point.frequency_hz(), start, NEAR)?,
         })
     };
-    points.par_iter().map(one).collect()
+    parallel::try_map(points, one)
 }
 
 /// Directions of the nudges: around a circle of [`NUDGE_M`] in the plane of displacement and rate/Ω.

@@ -1,12 +1,12 @@
 //! Where over gap and frequency the 1/1 doubles, folds and grazes: its special points at many gaps, joined to lines.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::diagram::{OrbitsRequest, diagram};
 use super::family::{CurvePlace, Node, ahead, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
+use crate::parallel;
 use crate::progress::{Progress, WithinStep, step};
 
 /// A line of special points of one kind, by rising gap.
@@ -42,20 +42,17 @@ pub fn lines(
         starts,
         checks: 0,
     };
-    let found: Result<Vec<Vec<Node>>, Error> = gaps_m
-        .par_iter()
-        .map(|gap_m| {
-            let params = RigParams {
-                gap_m: *gap_m,
-                ..*params
-            };
-            let curves = diagram(&params, &request, &WithinStep(progress))?.curves;
-            step(progress, 1)?;
-            let specials = curves.iter().flat_map(|c| c.specials());
-            Ok(specials.map(|(node, _)| node.clone()).collect())
-        })
-        .collect();
-    Ok(joined(&found?))
+    let found: Vec<Vec<Node>> = parallel::try_map(gaps_m, |gap_m| {
+        let params = RigParams {
+            gap_m: *gap_m,
+            ..*params
+        };
+        let curves = diagram(&params, &request, &WithinStep(progress))?.curves;
+        step(progress, 1)?;
+        let specials = curves.iter().flat_map(|c| c.specials());
+        Ok(specials.map(|(node, _)| node.clone()).collect())
+    })?;
+    Ok(joined(&found))
 }
 
 /// Joins special points of one gap to those of the next.

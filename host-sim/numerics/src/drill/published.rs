@@ -6,7 +6,6 @@
 //! Nothing holds the mass in place, so the front of the ground can be taken as origin at any time: the bounded motion is
 //! that of p = x − v, the mass seen from the front, and the gap between them at the start does not matter.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, Regime};
@@ -15,6 +14,7 @@ use shared::model::slider::Slider;
 use super::body::FreeMass;
 use super::march::Drill;
 use crate::error::{Error, MotionError};
+use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::row::regime_as_text;
 
@@ -149,10 +149,9 @@ pub fn diagram(
     plan: DriftingPlan,
     progress: &dyn Progress,
 ) -> Result<Vec<DriftingRow>, Error> {
-    let rows = motions.par_iter().map(|motion| {
+    parallel::try_map(motions, |motion| {
         let row = motion.run(plan)?;
         step(progress, 1)?;
         Ok(row)
-    });
-    rows.collect()
+    })
 }

@@ -1,6 +1,5 @@
 //! One run, and runs over gap and frequency.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::bit::Bit;
 use shared::model::params::RigParams;
@@ -12,6 +11,7 @@ use super::march::Drill;
 use crate::engine::check_frequency;
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
+use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::row::CartModel;
 use crate::row::{NamedRig, regime_as_text, tidy};
@@ -298,10 +298,9 @@ pub fn grid(
         .iter()
         .flat_map(|rig| frequencies_hz.iter().map(move |hz| (rig, *hz)))
         .collect();
-    let rows = cells.par_iter().map(|(rig, hz)| {
+    parallel::try_map(&cells, |(rig, hz)| {
         let seen = run(&rig.params, setting, *hz, plan)?;
         step(progress, 1)?;
         Ok(DrillRow::new(rig, setting, *hz, &seen))
-    });
-    rows.collect()
+    })
 }

@@ -1,6 +1,5 @@
 //! Where the rate of penetration is largest, and what that is worth to know.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::regime::Regime;
 use shared::model::slider::Slider;
@@ -10,6 +9,7 @@ use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
 use crate::limits::PickLimits;
+use crate::parallel;
 use crate::pick::pick;
 use crate::progress::{Progress, WithinStep, check};
 use crate::root::maximum;
@@ -125,18 +125,15 @@ pub fn advise(
         NEAR_POINTS,
     );
     let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
-    let corners: Result<Vec<_>, Error> = corners
-        .par_iter()
-        .map(|ground| {
-            let there = DrillSetting {
-                ground: *ground,
-                ..*setting
-            };
-            let corner = corner(rig, &there, best.frequency_hz, (&near, among), plan)?;
-            crate::progress::step(progress, 1)?;
-            Ok(corner)
-        })
-        .collect();
+    let corners: Result<Vec<_>, Error> = parallel::try_map(&corners, |ground| {
+        let there = DrillSetting {
+            ground: *ground,
+            ..*setting
+        };
+        let corner = corner(rig, &there, best.frequency_hz, (&near, among), plan)?;
+        crate::progress::step(progress, 1)?;
+        Ok(corner)
+    });
     let cart = CartModel::of(&rig.params);
     let own = Some((best.rate_of_penetration_um_per_s, best.frequency_hz));
     let other = other_cart(rig, setting, (&near, among), plan)?;
@@ -322,8 +319,7 @@ fn best_near(
     (near_hz, among): (&[f64], Among),
     plan: DrillPlan,
 ) -> Result<Option<(f64, f64)>, Error> {
-    let rows = near_hz.par_iter().map(|hz| at(rig, setting, *hz, plan));
-    let rows: Vec<_> = rows.collect::<Result<_, _>>()?;
+    let rows = parallel::try_map(near_hz, |hz| at(rig, setting, *hz, plan))?;
     let best = refined(rig, setting, &rows, among, plan).ok();
     Ok(best.map(|b| (b.rate_of_penetration_um_per_s, b.frequency_hz)))
 }

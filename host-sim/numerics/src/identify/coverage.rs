@@ -1,7 +1,6 @@
 //! How often the 95 % intervals hold the truth, with sensors as they are: each case is a fault of the sensor, or a
 //! law that is not the record's, and each is tried on many drop tests made from the model.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contact::{LAWS, Law, LawKind};
 use shared::model::number::Number;
@@ -11,6 +10,7 @@ use super::{IdentifiedFit, Misfit, SearchSettings, fit, measure};
 use crate::drop_test::{Converter, DropTest, record};
 use crate::error::Error;
 use crate::noise::Noise;
+use crate::parallel;
 use crate::progress::Progress;
 use crate::signal::Signal;
 
@@ -209,18 +209,16 @@ pub fn table(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<CoverageRow>, Error> {
+    let numbers: Vec<usize> = (0..tests).collect();
     let mut rows = Vec::new();
     for case in cases {
         for misfit in misfits {
-            let outcomes: Vec<Outcome> = (0..tests)
-                .into_par_iter()
-                .map(|number| {
-                    crate::progress::check(progress)?;
-                    let outcome = one(case, *misfit, seed, number);
-                    progress.advance(1);
-                    Ok(outcome)
-                })
-                .collect::<Result<_, Error>>()?;
+            let outcomes = parallel::try_map(&numbers, |number| {
+                crate::progress::check(progress)?;
+                let outcome = one(case, *misfit, seed, *number);
+                progress.advance(1);
+                Ok(outcome)
+            })?;
             rows.extend(summary(case, *misfit, &outcomes));
         }
     }

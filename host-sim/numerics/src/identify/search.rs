@@ -1,9 +1,9 @@
 //! Nelder–Mead, as Matlab's `fminsearch` that the chapter used (J. A. Nelder and R. Mead, A simplex method for
 //! function minimization, The Computer Journal 7 (1965) 308–313), by the crate `argmin`.
 
+use crate::parallel;
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
-use rayon::prelude::*;
 
 /// Where a search ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,10 +84,7 @@ pub fn from_all(
     starts: &[Vec<f64>],
     steps: &[f64],
 ) -> Option<Searched> {
-    let first: Vec<SearchEnd> = starts
-        .par_iter()
-        .map(|x| nelder_mead(cost, x, steps, 1e-3, 80))
-        .collect();
+    let first = parallel::map(starts, |x| nelder_mead(cost, x, steps, 1e-3, 80));
     let mut evaluations: u64 = first.iter().map(|f| f.evaluations).sum();
     let mut best = first
         .iter()

@@ -1,7 +1,7 @@
 //! The fit of the whole force: law and sensor together, then how far the noise alone explains what is left.
 
+use crate::parallel;
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::SearchSettings;
@@ -140,10 +140,8 @@ fn search<'a>(
         let others = guesses[1..].iter();
         starts.extend(others.map(|guess| shape.start(guess, filters[usual])));
     }
-    let ended: Vec<Solved> = starts
-        .par_iter()
-        .filter_map(|start| shape.solve_from(start, ROUNDS.0))
-        .collect();
+    let ended = parallel::map(&starts, |start| shape.solve_from(start, ROUNDS.0));
+    let ended: Vec<Solved> = ended.into_iter().flatten().collect();
     let mut evaluations = ended.iter().map(|s| s.evaluations).sum();
     let nearest = ended.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let mut best = shape.solve(&nearest.x, &[], ROUNDS.1)?;

@@ -9,10 +9,9 @@
 mod fast;
 mod one;
 
-use rayon::prelude::*;
-
 use crate::engine::Engine;
 use crate::error::Error;
+use crate::parallel;
 
 pub use ::lanes::{
     Cell, CellOutcome, CellPlan, Instructions, LanePrecision, LaneStrobe, Options, SETTLED_WITHIN,
@@ -40,10 +39,8 @@ pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
 /// # Errors
 /// As [`run`].
 pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<CellOutcome>, Report), Error> {
-    let parts: Vec<_> = cells
-        .par_chunks(CHUNK)
-        .map(|chunk| run_with(Options::default(), chunk, plan))
-        .collect::<Result<_, _>>()?;
+    let chunks: Vec<_> = cells.chunks(CHUNK).collect();
+    let parts = parallel::try_map(&chunks, |chunk| run_with(Options::default(), chunk, plan))?;
     let mut report = Report::default();
     let mut outcomes = Vec::with_capacity(cells.len());
     for (part, done) in parts {
@@ -56,12 +53,12 @@ pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<CellOutcome>
 /// Runs every cell, on every thread there is: a cell whose hammer cannot be followed is an error of its own and takes
 /// no other with it.
 pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<CellOutcome, Error>> {
-    let chunks = cells.par_chunks(CHUNK);
-    let run = |chunk: &[Cell]| {
+    let chunks: Vec<_> = cells.chunks(CHUNK).collect();
+    let parts = parallel::map(&chunks, |chunk| {
         let options = Options::default();
         fast::each(options, chunk, plan, &mut Report::default()).collect::<Vec<_>>()
-    };
-    chunks.flat_map_iter(run).collect()
+    });
+    parts.into_iter().flatten().collect()
 }
 
 /// The same by `engine`, one cell after the other in every thread.
@@ -70,8 +67,7 @@ pub fn each_by_engine(
     cells: &[Cell],
     plan: &CellPlan,
 ) -> Vec<Result<CellOutcome, Error>> {
-    let cells = cells.par_iter();
-    cells.map(|cell| run_one(engine, cell, plan)).collect()
+    parallel::map(cells, |cell| run_one(engine, cell, plan))
 }
 
 /// An outcome, or none where the hammer could not be followed.
@@ -103,8 +99,5 @@ pub fn by_engine(
     cells: &[Cell],
     plan: &CellPlan,
 ) -> Result<Vec<CellOutcome>, Error> {
-    cells
-        .par_iter()
-        .map(|cell| run_one(engine, cell, plan))
-        .collect()
+    parallel::try_map(cells, |cell| run_one(engine, cell, plan))
 }

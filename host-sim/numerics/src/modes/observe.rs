@@ -1,6 +1,5 @@
 //! What a run shows: regime, force, displacement, and the energy in each mode.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contacts::{Contact, Period};
 use shared::model::params::RigParams;
@@ -12,6 +11,7 @@ use super::linear::{Follower, LinearMotion};
 use super::{Beam, MAX_MODES, ModalRig, ModalState, PerMode, TipJoint};
 use crate::engine::Plan as Cycles;
 use crate::error::{Error, ModesError};
+use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::reference::flow::FlowTotals;
 use crate::row::CartModel;
@@ -53,25 +53,18 @@ impl ModesRequest<'_> {
             .iter()
             .flat_map(|hz| rigs.iter().map(move |rig| (*hz, rig)))
             .collect();
-        runs.into_par_iter()
-            .map(|(hz, rig)| {
-                let params = &self.rig.params;
-                let seen = if params.cart.recoils() {
-                    let motion = LinearMotion::of(params, self.beam, rig.modes.len(), hz)?;
-                    watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?
-                } else {
-                    observe(rig.clone(), hz, self.cycles)?
-                };
-                step(progress, 1)?;
-                Ok(ModesRow::new(
-                    self.rig,
-                    self.beam,
-                    rig.modes.len(),
-                    hz,
-                    &seen,
-                ))
-            })
-            .collect()
+        parallel::try_map(&runs, |&(hz, rig)| {
+            let params = &self.rig.params;
+            let seen = if params.cart.recoils() {
+                let motion = LinearMotion::of(params, self.beam, rig.modes.len(), hz)?;
+                watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?
+            } else {
+                observe(rig.clone(), hz, self.cycles)?
+            };
+            step(progress, 1)?;
+            let modes = rig.modes.len();
+            Ok(ModesRow::new(self.rig, self.beam, modes, hz, &seen))
+        })
     }
 }
 

@@ -8,7 +8,6 @@
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::params::{RigParams, SupportParams};
 
@@ -16,6 +15,7 @@ use super::BAND_SHARE;
 use crate::error::Error;
 use crate::modes::linear::{LinearMotion, ModalOrbit};
 use crate::modes::{Beam, TipJoint};
+use crate::parallel;
 use crate::progress::{Progress, check};
 use crate::sweep::spread;
 use crate::uncertainty::Member;
@@ -188,10 +188,8 @@ impl BendingRequest<'_> {
         let second_hz = beam.modes(self.params.mass_kg, natural_hz, 2)?[1].omega / TAU;
         let (low, high) = self.band_hz;
         let grid = spread(low, high, FREQUENCIES);
-        let curves: Vec<Vec<Option<ModalOrbit>>> = (1..=MOST_MODES)
-            .into_par_iter()
-            .map(|modes| self.with(modes).along(&grid, None))
-            .collect();
+        let counts: Vec<usize> = (1..=MOST_MODES).collect();
+        let curves = parallel::map(&counts, |modes| self.with(*modes).along(&grid, None));
         check(progress)?;
         let modes = needed(&curves);
         let (modal, curve) = (self.with(modes), &curves[modes - 1]);
@@ -313,7 +311,7 @@ impl BendingRequest<'_> {
             (member, 2.0 * turn - 1.0)
         });
         let rigs: Vec<_> = at_corners.chain(others).collect();
-        let each = rigs.par_iter().map(|(member, deviation)| {
+        let each = parallel::map(&rigs, |(member, deviation)| {
             let params = member.apply(self.params, 1.0);
             let rig = Modal {
                 params: &params,
@@ -323,8 +321,8 @@ impl BendingRequest<'_> {
             Over::of(rig.at(chosen.frequency_hz, Some(chosen)).as_ref())
         });
         let nominal = Over::of(Some(chosen));
-        let others = each.reduce(|| Over::of(None), Over::with);
-        nominal.with(others).counted(rigs.len() + 1)
+        let all = each.into_iter().fold(nominal, Over::with);
+        all.counted(rigs.len() + 1)
     }
 
     /// The nominal rig in `band_hz` with springs of every mass of their uncertainty.
@@ -338,14 +336,15 @@ impl BendingRequest<'_> {
             return Vec::new();
         }
         let grid = spread(low, high, FREQUENCIES);
-        let each = (0..=MASSES).into_par_iter().flat_map_iter(|k| {
+        let masses: Vec<usize> = (0..=MASSES).collect();
+        let each = parallel::map(&masses, |k| {
             let rig = Modal {
-                beam: self.springs.off(2.0 * k as f64 / MASSES as f64 - 1.0),
+                beam: self.springs.off(2.0 * *k as f64 / MASSES as f64 - 1.0),
                 ..modal
             };
             rig.along(&grid, Some(chosen))
         });
-        each.collect()
+        each.concat()
     }
 }
 

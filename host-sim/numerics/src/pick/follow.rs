@@ -1,13 +1,13 @@
 //! The 1/1 of each rig of the uncertainty, found beside the nominal one: a rig lies near the nominal one, and the difference
 //! changes slowly with the frequency. Near an end of its 1/1 it is followed closely.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::range;
 use super::search::{follow_member, own_branch};
 use crate::branch::{Branch, BranchEnd};
 use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
+use crate::parallel;
 use crate::sweep::spread;
 use crate::uncertainty::Member;
 
@@ -131,9 +131,9 @@ pub(super) fn nodes(
     let hz = spread(low, high, steps.max(2.0) as usize + 1);
     let inside = &hz[1..hz.len() - 1];
     let at = |hz: f64| branch.at(params, hz);
-    let inside = inside.par_iter().filter_map(|hz| at(*hz));
+    let inside = parallel::map(inside, |hz| at(*hz));
     let mut nodes = vec![at(low)?];
-    nodes.extend(inside.collect::<Vec<_>>());
+    nodes.extend(inside.into_iter().flatten());
     nodes.push(at(high)?);
     Some(nodes)
 }

@@ -19,7 +19,6 @@ mod runs;
 pub mod search;
 pub mod sensitivity;
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
@@ -27,6 +26,7 @@ use crate::branch::{Branch, one_one_branches};
 use crate::error::{Error, PickError};
 use crate::limits::PickLimits;
 use crate::orbit::Orbit;
+use crate::parallel;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::root::halved;
 use crate::row::{NamedRig, RunRow};
@@ -324,7 +324,8 @@ fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
     nodes.sort_by(f64::total_cmp);
     let weight = params.weight_n();
     let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));
-    nodes.par_iter().filter_map(on_curve).collect()
+    let found = parallel::map(&nodes, on_curve);
+    found.into_iter().flatten().collect()
 }
 
 /// The section of `orbit` in A0 and A0 Ω of the rig's coordinate.

@@ -1,12 +1,11 @@
 //! Where 1/1 is stable over the whole uncertainty, and how much less uncertainty would do where it is nowhere.
 
-use rayon::prelude::*;
-
 use super::follow::{Followed, across, along, nodes};
 use super::range;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
+use crate::parallel;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
 use crate::uncertainty::Member;
@@ -123,17 +122,14 @@ fn common_range(
     let (first, others) = members.split_at(members.len().min(FIRST_BLOCK));
     for members in std::iter::once(first).chain(others.chunks(BLOCK)) {
         let nodes = nodes(params, branch, common)?;
-        let found: Option<Vec<_>> = members
-            .par_iter()
-            .map(|member| {
-                member.apply(params, 1.0).check().ok()?;
-                let found = across(params, member, branch, &nodes)
-                    .or_else(|| along(params, member, branch, nominal, common));
-                step(progress, 1).ok()?;
-                found
-            })
-            .collect();
-        for ((low, high), followed) in found? {
+        let found = parallel::map_all(members, |member| {
+            member.apply(params, 1.0).check().ok()?;
+            let found = across(params, member, branch, &nodes)
+                .or_else(|| along(params, member, branch, nominal, common));
+            step(progress, 1).ok()?;
+            found
+        })?;
+        for ((low, high), followed) in found {
             common = (common.0.max(low), common.1.min(high));
             known.push(followed);
         }

@@ -1,6 +1,5 @@
 //! What settled runs show of an operating point: where the hammer jumps, and whether it gets there from rest.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
@@ -9,10 +8,11 @@ use crate::branch::{Branch, BranchEnd, settle};
 use crate::engine::{Arrival, Engine, Plan, STILL, Start, machine, within_reach};
 use crate::error::Error;
 use crate::orbit::Orbit;
+use crate::parallel;
 use crate::progress::Progress;
 use crate::row::{NamedRig, RunRow};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
-use crate::uncertainty::{Member, Uncertainty};
+use crate::uncertainty::Uncertainty;
 
 /// Up and down sweeps that differ by less than this share of force do not jump.
 pub(crate) const JUMP_SHARE: f64 = 0.02;
@@ -118,17 +118,17 @@ impl Runs {
         let from_rest = settled(Start::Rest)?;
         let on_orbit = settled(Start::Section(chosen.section))?;
         let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
-        let reaches = |corner: &&Member| {
+        let reaching = parallel::map(&corners, |corner| {
             let rig = corner.apply(params, 1.0);
             settle(&rig, chosen.frequency_hz, Start::Rest, SETTLED).is_some()
-        };
+        });
         Ok(Self {
             force_ratio_at_natural: at_natural.force_ratio,
             settling_cycles: settling_cycles(params, chosen)?,
             from_rest: from_rest.regime,
             on_orbit: on_orbit.regime,
             corners: corners.len(),
-            corners_reaching: corners.par_iter().filter(reaches).count(),
+            corners_reaching: reaching.iter().filter(|reaches| **reaches).count(),
         })
     }
 }

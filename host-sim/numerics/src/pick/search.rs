@@ -1,12 +1,12 @@
 //! The search itself: the best frequency on the nominal branch that every member of the uncertainty and
 //! every limit allows.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::follow::Followed;
 use crate::branch::Branch;
 use crate::orbit::{Orbit, shoot_at};
+use crate::parallel;
 use crate::root::{largest, stretch};
 use crate::uncertainty::Member;
 
@@ -69,11 +69,11 @@ pub fn spread_of_members(
     orbit: &Orbit,
 ) -> Option<ForceSpread> {
     let own = ForceSpread::of(orbit, None);
-    members
-        .par_iter()
-        .enumerate()
-        .map(|(i, member)| Some(ForceSpread::of(&member.stable_at(nominal, orbit)?, Some(i))))
-        .try_reduce(|| own, |a, b| Some(a.with(b)))
+    let followed = parallel::map_all(members, |member| member.stable_at(nominal, orbit))?;
+    let spreads = followed.iter().enumerate();
+    Some(spreads.fold(own, |all, (i, orbit)| {
+        all.with(ForceSpread::of(orbit, Some(i)))
+    }))
 }
 
 /// Smallest and largest force (N) and largest multiplier over members.

@@ -1,6 +1,5 @@
 //! What to measure first: how the best frequency and its force move with each parameter.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
@@ -8,6 +7,7 @@ use shared::model::params::{RigParams, SupportParams};
 
 use super::search::FREQUENCY_TOLERANCE;
 use crate::orbit::{Orbit, shoot_at};
+use crate::parallel;
 use crate::root::{halved, maximum};
 use crate::uncertainty::Uncertainty;
 
@@ -149,7 +149,7 @@ type Change = Box<dyn Fn(&RigParams, f64) -> Option<RigParams> + Sync>;
 /// 1/1 is left out.
 pub fn table(params: &RigParams, best: &Orbit) -> Vec<Sensitivity> {
     let rows = changes(params);
-    let rows = rows.par_iter().filter_map(|(parameter, per, change)| {
+    let rows = parallel::map(&rows, |(parameter, per, change)| {
         let up = optimum(&change(params, 1.0)?, best)?;
         let down = optimum(&change(params, -1.0)?, best)?;
         Some(Sensitivity::new(
@@ -159,7 +159,7 @@ pub fn table(params: &RigParams, best: &Orbit) -> Vec<Sensitivity> {
             50.0 * (up.force_n - down.force_n) / best.force_n,
         ))
     });
-    let mut rows: Vec<_> = rows.collect();
+    let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     rows.sort_by(|a, b| b.force_percent.abs().total_cmp(&a.force_percent.abs()));
     rows
 }
@@ -169,9 +169,10 @@ pub fn compute_ranges(rows: &mut [Sensitivity], count: usize, params: &RigParams
     let mut worst: Vec<_> = rows.iter_mut().collect();
     worst.sort_by(|a, b| b.force_open_percent().total_cmp(&a.force_open_percent()));
     worst.truncate(count);
-    worst
-        .into_par_iter()
-        .for_each(|row| row.force_range_percent = range(row, params, best));
+    let ranges = parallel::map(&worst, |row| range(row, params, best));
+    for (row, range) in worst.into_iter().zip(ranges) {
+        row.force_range_percent = range;
+    }
 }
 
 /// Smallest and largest change of the force, %, over all that the parameter of `row` may be.

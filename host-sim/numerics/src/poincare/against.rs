@@ -1,7 +1,6 @@
 //! The smoothing method against the switch on one section (figure 3.4, after Wiercigroch): how the cloud changes with
 //! the width over which contact fades in, and what each costs.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contacts::Period;
 use shared::model::regime::Detector;
@@ -11,6 +10,7 @@ use super::cloud::{Apart, apart};
 use super::{Portrait, SectionRequest, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
+use crate::parallel;
 use crate::progress::{Progress, check, step};
 use crate::reference::Reference;
 
@@ -106,13 +106,9 @@ pub fn against(
     let (exact, (again, smoothed)) = rayon::join(
         || portrait(&request, progress),
         || {
-            let runs = widths
-                .par_iter()
-                .map(|width| run(&request, *width, progress));
-            (
-                portrait(&other, progress),
-                runs.collect::<Result<Vec<_>, _>>(),
-            )
+            let again = portrait(&other, progress);
+            let run = |width: &f64| run(&request, *width, progress);
+            (again, parallel::try_map(&widths, run))
         },
     );
     let (exact, again, smoothed) = (exact?, again?, smoothed?);
@@ -122,12 +118,12 @@ pub fn against(
         lyapunov::exponents(&request.params, request.frequency_hz, [q, v], compared.span);
     let summary = compared.switch("switch", &exact, exponents.ok());
     let again = compared.switch("switch, another start", &again, None);
-    let smoothed = smoothed.into_par_iter().map(|ran| {
+    let smoothed = parallel::try_map(&smoothed, |ran| {
         check(progress)?;
         Ok(compared.smoothed(ran))
-    });
+    })?;
     Ok(SectionComparison {
-        smoothed: smoothed.collect::<Result<_, Error>>()?,
+        smoothed,
         summary,
         again,
         exact,
@@ -186,7 +182,7 @@ impl<'a> Compared<'a> {
     }
 
     /// The figures of a section by the smoothing method.
-    fn smoothed(&self, (epsilon, points, steps): Ran) -> Smoothing {
+    fn smoothed(&self, (epsilon, points, steps): &Ran) -> Smoothing {
         let exponents = lyapunov::of_smoothed(
             &self.request.params,
             self.request.frequency_hz,
@@ -194,11 +190,11 @@ impl<'a> Compared<'a> {
             self.start,
             self.span,
         );
-        let apart = self.distance(&points);
+        let apart = self.distance(points);
         Smoothing {
             epsilon_m: epsilon.0,
-            summary: self.summary("smoothed", Some(epsilon), steps, apart, exponents.ok()),
-            points,
+            summary: self.summary("smoothed", Some(*epsilon), *steps, apart, exponents.ok()),
+            points: points.clone(),
         }
     }
 
@@ -234,6 +230,7 @@ fn cloud(points: &[(f64, f64)], units: (f64, f64)) -> Vec<(f64, f64)> {
         .collect()
 }
 
+#[derive(Clone, Copy)]
 struct Steps {
     section_periods: Option<u8>,
     per_period: f64,

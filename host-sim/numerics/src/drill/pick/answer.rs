@@ -1,12 +1,12 @@
 //! What a pick for the best rate of penetration says beside what every pick says.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::cart::CartDrive;
 
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::DrillCase;
+use crate::parallel;
 use crate::uncertainty::Uncertainty;
 
 /// The answer about the ground. Units are in the names.
@@ -141,7 +141,7 @@ pub fn rate_sensitivity(
         })
     };
     let of_recoil = ["cart_mass_kg", "shaker_loop_hz"];
-    let rows = CHANGES.par_iter().filter_map(|(parameter, per, change)| {
+    let rows = parallel::map(&CHANGES, |(parameter, per, change)| {
         if of_recoil.contains(parameter) && !case.params.cart.recoils() {
             return None;
         }
@@ -165,7 +165,7 @@ pub fn rate_sensitivity(
             rate_over_uncertainty_percent: known_to.map(|width| width * rate_percent.abs()),
         })
     });
-    let mut rows: Vec<_> = rows.collect();
+    let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     let open = |row: &RateSensitivity| {
         let over = row.rate_over_uncertainty_percent;
         (over.unwrap_or(0.0), row.rate_percent.abs())

@@ -1,6 +1,5 @@
 //! The rigs and grounds that the real ones may be.
 
-use rayon::prelude::*;
 use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::slider::Slider;
@@ -8,6 +7,7 @@ use shared::model::slider::Slider;
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::{DrillCase, GroundBranch};
+use crate::parallel;
 use crate::root::narrowed;
 use crate::uncertainty::{Member, Uncertainty};
 
@@ -130,10 +130,13 @@ impl Crowd<'_> {
     /// Rates, forces and multipliers at `hz`. None where a member has no stable 1/1.
     pub fn spread(&self, hz: f64) -> Option<DrillSpread> {
         let orbit = self.branch.at(hz)?;
-        self.members
-            .par_iter()
-            .map(|member| self.follow(member, &orbit).map(|o| DrillSpread::of(&o)))
-            .try_reduce(|| DrillSpread::of(&orbit), |a, b| Some(a.with(b)))
+        let followed = parallel::map_all(&self.members, |m| self.follow(m, &orbit))?;
+        let own = DrillSpread::of(&orbit);
+        Some(
+            followed
+                .iter()
+                .fold(own, |all, o| all.with(DrillSpread::of(o))),
+        )
     }
 
     /// The frequencies about `from_hz` at which every member has a stable 1/1; the first `corners` members are those whose
@@ -141,7 +144,8 @@ impl Crowd<'_> {
     pub fn common_range(&self, from_hz: f64, corners: usize) -> Option<(f64, f64)> {
         let (low, high) = self.branch.range();
         let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
-        let all = |hz: f64| self.members.par_iter().all(|m| self.has(m, hz));
+        let all =
+            |hz: f64| parallel::map_all(&self.members, |m| self.has(m, hz).then_some(())).is_some();
         let seed = seeds.into_iter().find(|hz| all(*hz))?;
         let (corners, inside) = self.members.split_at(corners.min(self.members.len()));
         let by_corners = self.shared(corners, seed, (low, high));
@@ -160,6 +164,6 @@ impl Crowd<'_> {
         };
         let own = |member: &Member| (to(member, range.0), to(member, range.1));
         let inner = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
-        members.par_iter().map(own).reduce(|| range, inner)
+        parallel::map(members, own).into_iter().fold(range, inner)
     }
 }

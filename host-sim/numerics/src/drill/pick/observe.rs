@@ -1,6 +1,5 @@
 //! What runs on the ground show: where to begin, the orbit chosen, its reach from rest, and jumps.
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
@@ -15,6 +14,7 @@ use crate::drill::run::{DrillPlan, DrillRun, DrillSetting, grid, observe, run};
 use crate::drill::search::{Among, GroundUncertainty};
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
+use crate::parallel;
 use crate::pick::answer::{ShakerNeed, drive_force};
 use crate::pick::{JUMP_POINTS, JUMP_SHARE};
 use crate::progress::Progress;
@@ -144,7 +144,7 @@ impl Observed {
         let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
         let corners =
             uncertainty.map_or(Vec::new(), |(u, ground)| with_ground(u, ground).corners());
-        let reaching = corners.par_iter().filter(|corner| {
+        let reaching = parallel::map(&corners, |corner| {
             let there = apply(crowd.case, corner, 1.0);
             at_rest(&there, hz).is_ok_and(|seen| seen.regime.is(1, 1))
         });
@@ -152,7 +152,7 @@ impl Observed {
             blow,
             from_rest: at_rest(case, hz)?.regime,
             corners: corners.len(),
-            corners_reaching: reaching.count(),
+            corners_reaching: reaching.iter().filter(|reaches| **reaches).count(),
             force_at_natural_n: at_rest(case, case.params.natural_frequency_hz())?.force_n,
             loop_force_n: loop_force_n(case, chosen),
             damping_j,
