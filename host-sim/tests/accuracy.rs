@@ -12,13 +12,17 @@ use numerics::accuracy::survey::{
 };
 
 const SEED: u64 = 2010;
+/// With `LONG_CHECKS`; else a quarter of them.
 const POINTS: usize = 200;
 
 /// At most this many points may lie on the edge between two attractors.
 const MAX_EDGES: usize = 3;
 
 /// Found once for all tests.
-static SURVEY: LazyLock<Vec<SurveyPoint>> = LazyLock::new(|| points(SEED, POINTS).unwrap());
+static SURVEY: LazyLock<Vec<SurveyPoint>> = LazyLock::new(|| {
+    let long = std::env::var_os("LONG_CHECKS").is_some();
+    points(SEED, if long { POINTS } else { POINTS / 4 }).unwrap()
+});
 
 /// Asserts the requirement, but for points where a nanometre decides the reference itself.
 #[track_caller]

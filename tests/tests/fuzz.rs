@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// With `LONG_CHECKS`; else a quarter of them.
 const MUTATIONS: usize = 100_000;
 
 fn corpus(target: &str) -> Vec<Vec<u8>> {
@@ -52,7 +53,8 @@ fn run_times(mutations: usize, target: &str, body: impl Fn(&[u8])) {
     let corpus = corpus(target);
     corpus.iter().for_each(|bytes| body(bytes));
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    for _ in 0..mutations {
+    let long = std::env::var_os("LONG_CHECKS").is_some();
+    for _ in 0..if long { mutations } else { mutations / 4 } {
         body(&mutated(&corpus, &mut random));
     }
 }

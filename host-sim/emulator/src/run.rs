@@ -18,14 +18,15 @@ use files::UserError;
 /// How often a link in command sends its keep-alive.
 const ALIVE_EVERY: Duration = Duration::from_millis(500);
 
-/// Runs `scenario` with `control`, which was just made with its settings; `observer` watches.
+/// Runs `scenario` with `control`, which was just made with its settings; `observer` watches. Neither is a type parameter: the run
+/// is compiled here, and optimised, whoever calls it.
 ///
 /// # Errors
 /// `true_rig` is invalid.
 pub fn run(
     scenario: &Scenario,
-    control: &mut impl ControlUnderTest,
-    observer: &mut impl RunObserver,
+    control: &mut dyn ControlUnderTest,
+    observer: &mut dyn RunObserver,
 ) -> Result<RunSummary, UserError> {
     let mut run = Run::new(scenario, control, observer)?;
     for _ in 0..scenario.blocks() {

@@ -93,7 +93,7 @@ fn a_contact_of_one_sample_leaves_the_trip_level_of_the_force() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: if std::env::var_os("LONG_CHECKS").is_some() { 2000 } else { 500 }, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Set-points are always within the limits; a block whose samples trip is followed by a safe one; the
     /// drive is on in the states that drive, and in no other.

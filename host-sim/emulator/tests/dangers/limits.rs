@@ -234,7 +234,7 @@ fn limit_and_force_wanted_are_of_the_true_peak_whatever_the_surface_rings_like()
     let cases = rigs
         .iter()
         .flat_map(|rig| ringing.map(|ringing| (*rig, ringing)));
-    let cases: Vec<_> = cases.collect();
+    let cases = some(3, cases);
     cases
         .par_iter()
         .for_each(|((rig, force_n), (khz, percent))| {
@@ -274,7 +274,7 @@ fn limit_and_force_wanted_are_of_the_true_peak_however_lossy_the_surface() {
     let cases = rigs
         .iter()
         .flat_map(|rig| surfaces.map(|surface| (*rig, surface)));
-    let cases: Vec<_> = cases.collect();
+    let cases = some(3, cases);
     cases
         .par_iter()
         .for_each(|((rig, force_n), (stiffer, lossier))| {

@@ -73,6 +73,14 @@ impl RunObserver for Truth {
     }
 }
 
+/// One in `of` ways, all with `LONG_CHECKS`.
+fn some<T>(of: usize, ways: impl IntoIterator<Item = T>) -> Vec<T> {
+    let long = std::env::var_os("LONG_CHECKS").is_some();
+    ways.into_iter()
+        .step_by(if long { 1 } else { of })
+        .collect()
+}
+
 /// What a scenario of wires with 1 % noise comes to; `tables` are added to it.
 fn truth(duration_s: f64, tables: &str) -> Truth {
     truth_of("wires", duration_s, tables)

@@ -6,7 +6,7 @@ use super::*;
 #[test]
 fn a_drive_that_obeys_is_not_told_to_run_on() {
     let each = RIGS.iter().flat_map(|rig| (0..8).map(move |k| (rig, k)));
-    let each: Vec<_> = each.collect();
+    let each = some(3, each);
     each.par_iter().for_each(|(rig, k)| {
         let at_s = 13.0 + 0.053 * f64::from(*k);
         let stop = event(at_s, "kind = \"emergency-stop\"\nfor_s = 0.1");
@@ -21,7 +21,7 @@ fn a_drive_that_obeys_is_not_told_to_run_on() {
 fn a_hammer_that_swings_at_the_start_is_held_within_ten_seconds() {
     let pushes = [(0.2, -0.1), (0.2, 0.1), (0.8, -0.05), (0.8, 0.1)];
     let each = RIGS.iter().flat_map(|rig| pushes.map(|push| (rig, push)));
-    let each: Vec<_> = each.collect();
+    let each = some(3, each);
     each.par_iter().for_each(|(rig, (at_s, speed))| {
         let push = event(
             *at_s,
@@ -81,7 +81,7 @@ fn a_drive_that_runs_on_starts_nothing_after_a_reset() {
 fn a_surface_that_recedes_is_followed() {
     let ways = [(0.02, 3.0), (0.07, 2.2), (0.1, 3.0)];
     let each = RIGS.iter().flat_map(|rig| ways.map(|way| (rig, way)));
-    let each: Vec<_> = each.collect();
+    let each = some(2, each);
     each.par_iter().for_each(|(rig, (mm_per_s, far_mm))| {
         let recede = event(
             15.0,
@@ -132,7 +132,7 @@ fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {
     let each = RIGS
         .iter()
         .flat_map(|rig| [1.7, 0.9, 0.0].map(|back_mm| (rig, back_mm)));
-    let each: Vec<_> = each.collect();
+    let each = some(2, each);
     each.par_iter().for_each(|(rig, back_mm)| {
         let mut tables = start();
         tables += &event(15.0, "kind = \"drift\"\ngap_offset_mm = 1.7\nover_s = 34.0");
@@ -154,7 +154,7 @@ fn after_a_surface_that_receded_a_tool_fed_back_too_far_is_no_sensor_that_lies()
     let each = RIGS
         .iter()
         .flat_map(|rig| [(2.1, 2.4), (2.1, 2.6)].map(|ways| (rig, ways)));
-    let each: Vec<_> = each.collect();
+    let each = some(3, each);
     each.par_iter().for_each(|(rig, (far_mm, back_mm))| {
         let drift =
             |mm: f64, s: f64| format!("kind = \"drift\"\ngap_offset_mm = {mm:?}\nover_s = {s:?}");

@@ -28,6 +28,12 @@ fn measured(law: Law<f64>, test: DropTest) -> MeasuredImpacts {
     measure(&signal, &SETTINGS).unwrap()
 }
 
+/// How many records, of as many as there are with `LONG_CHECKS`.
+fn records(all: usize) -> usize {
+    let long = std::env::var_os("LONG_CHECKS").is_some();
+    if long { all } else { all.div_ceil(3) }
+}
+
 /// Value of the `i`-th parameter over what the record was made with.
 fn off(fit: &IdentifiedFit, truth: &[f64]) -> Vec<f64> {
     let pairs = fit.parameters.iter().zip(truth);
@@ -81,13 +87,13 @@ fn a_clean_record_gives_back_the_law_it_was_made_with() {
 }
 
 /// Of 24 records with noise the 95 % interval misses the truth in some 1.2 on average, and in more than 4 with a
-/// chance below 1 %, for each parameter.
+/// chance below 1 %, for each parameter; of 8, in more than 2 with 0.6 %.
 #[test]
 fn the_intervals_hold_the_truth_as_often_as_they_say() {
-    const SEEDS: u64 = 24;
+    let seeds = records(24);
     let truth = truth(LAWS[0].1);
     for (misfit, noise_n) in [(Misfit::Force, 0.5), (Misfit::Peaks, 0.3)] {
-        let held: Vec<Vec<bool>> = (0..SEEDS)
+        let held: Vec<Vec<bool>> = (0..seeds as u64)
             .into_par_iter()
             .map(|seed| {
                 let test = DropTest {
@@ -106,8 +112,11 @@ fn the_intervals_hold_the_truth_as_often_as_they_say() {
             .collect();
         for i in 0..2 {
             let hits = held.iter().filter(|h| h[i]).count();
-            println!("{misfit:?} parameter {i}: {hits} of {SEEDS}");
-            assert!(hits >= 20, "{misfit:?} parameter {i}: {hits} of {SEEDS}");
+            println!("{misfit:?} parameter {i}: {hits} of {seeds}");
+            assert!(
+                hits >= seeds - if seeds == 24 { 4 } else { 2 },
+                "{misfit:?} parameter {i}: {hits} of {seeds}"
+            );
         }
     }
 }
@@ -290,18 +299,19 @@ fn two_percent_of_noise_do_not_mislead_the_interval() {
     assert!(high - low < 0.2 * 5.5e6, "{low} to {high}");
 }
 
-/// Three drop tests of a case by both misfits: of the answers on its two parameters at most two are wrong. The chance of
-/// more is 2 % at 95 % coverage; the seeds are fixed.
+/// Drop tests of a case by both misfits: of the answers on its two parameters at most two are wrong in three tests, with
+/// `LONG_CHECKS`, and one in one. The chance of more is 2 % and 1 % at 95 % coverage; the seeds are fixed.
 fn covered(name: &str) {
     let cases = coverage::cases();
     let case: Vec<_> = cases.into_iter().filter(|c| c.name == name).collect();
-    let rows = coverage::table(&case, &[Misfit::Force, Misfit::Peaks], 3, 1, &()).unwrap();
+    let rows = coverage::table(&case, &[Misfit::Force, Misfit::Peaks], records(3), 1, &()).unwrap();
     let right: usize = rows.iter().map(|r| r.right).sum();
     for row in &rows {
         println!("{row:?}");
     }
     assert_eq!(rows.len(), 4);
-    assert!(right >= 10, "{name}: {right} of 12");
+    let all = 4 * records(3);
+    assert!(right + records(2) >= all, "{name}: {right} of {all}");
 }
 
 #[test]
@@ -339,7 +349,7 @@ fn a_drift_is_covered() {
     covered("drift");
 }
 
-/// Three drop tests behind each converter, with a clock that is off and a zero that steps, by the whole force: before, the
+/// Drop tests behind each converter, with a clock that is off and a zero that steps, by the whole force: before, the
 /// law was refused in most of them or the interval missed the truth.
 #[test]
 fn converters_clocks_and_zeros_as_people_have_them_are_covered() {
@@ -357,12 +367,12 @@ fn converters_clocks_and_zeros_as_people_have_them_are_covered() {
         .filter(|c| names.contains(&c.name))
         .collect();
     assert_eq!(cases.len(), names.len());
-    for pair in coverage::table(&cases, &[Misfit::Force], 3, 1, &())
+    for pair in coverage::table(&cases, &[Misfit::Force], records(3), 1, &())
         .unwrap()
         .chunks(2)
     {
         let right: usize = pair.iter().map(|row| row.right).sum();
-        assert!(right >= 5, "{pair:?}");
+        assert!(6 * right >= 5 * 2 * records(3), "{pair:?}");
     }
 }
 
