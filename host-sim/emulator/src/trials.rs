@@ -435,13 +435,20 @@ mod tests {
     /// The controller believes in the file's rig and its shaker; what is drawn is on top of the true one.
     #[test]
     fn a_rig_of_one_s_own_is_what_the_controller_believes_in() {
-        let settings = ["mass_kg=1.7", "gap_mm=0.5", "shaker_loop_hz=30"].map(str::to_owned);
+        let settings = [
+            "mass_kg=1.7",
+            "gap_mm=0.5",
+            "shaker_loop_hz=30",
+            "shaker_damping_ratio=3.0",
+        ]
+        .map(str::to_owned);
         let rig = rigfile::load("wires", &settings).unwrap();
         let trial = Trial::draw(1, 0, &[Believed::new(&rig)]);
         let scenario = trial.scenario(30.0).expect("a scenario");
         let believed = scenario.settings.rig;
         assert_eq!((believed.mass_kg, believed.gap_m), (1.7, 0.5e-3));
         assert_eq!(scenario.shaker.loop_hz, 30.0);
+        assert_eq!(scenario.shaker.loop_damping_ratio, 3.0);
         let gap_mm = 1e3 * (scenario.true_rig.gap_m - believed.gap_m);
         assert!((gap_mm - trial.gap_offset_mm).abs() < 1e-9);
     }

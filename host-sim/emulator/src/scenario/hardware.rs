@@ -102,17 +102,19 @@ fn pick(
 /// The largest force that a scenario's shaker may have, N.
 pub(crate) const MOST_FORCE_N: f64 = 1e6;
 
+/// The fastest a position loop may be, its damping counted in, Hz.
+const FASTEST_LOOP_HZ: f64 = 2000.0;
+
 /// The shaker, its defaults for what is left out.
 pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
     let d = ShakerParams::default();
     let ratio = (0.0, 10.0);
-    Ok(ShakerParams {
-        // For faster loops the plant's step in flight is too long.
+    let shaker = ShakerParams {
         loop_hz: pick("loop_hz", file.loop_hz, (1.0, 500.0), 1.0, d.loop_hz)?,
         loop_damping_ratio: pick(
             "loop_damping_ratio",
             file.loop_damping_ratio,
-            (0.05, 2.0),
+            (0.05, 5.0),
             1.0,
             d.loop_damping_ratio,
         )?,
@@ -149,7 +151,19 @@ pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
         )?,
         reversed: file.reversed.unwrap_or_default(),
         armature: armature(file)?,
-    })
+    };
+    // For faster loops the plant's step in flight is too long.
+    let damping = shaker.loop_damping_ratio;
+    let faster = damping + (damping * damping - 1.0).max(0.0).sqrt();
+    if shaker.loop_hz * faster > FASTEST_LOOP_HZ {
+        let most = FASTEST_LOOP_HZ / faster;
+        return Err(out_of_range(
+            "loop_hz",
+            shaker.loop_hz,
+            &format!("at most {most:.0} with loop_damping_ratio {damping}"),
+        ));
+    }
+    Ok(shaker)
 }
 
 /// The armature, if it has a mode of its own.

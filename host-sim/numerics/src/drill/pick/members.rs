@@ -130,7 +130,7 @@ impl Crowd<'_> {
     /// Rates, forces and multipliers at `hz`. None where a member has no stable 1/1.
     pub fn spread(&self, hz: f64) -> Option<DrillSpread> {
         let orbit = self.branch.at(hz)?;
-        let followed = parallel::map_all(&self.members, |m| self.follow(m, &orbit))?;
+        let followed = parallel::map_all(self.members, |m| self.follow(m, &orbit))?;
         let own = DrillSpread::of(&orbit);
         Some(
             followed
@@ -145,7 +145,7 @@ impl Crowd<'_> {
         let (low, high) = self.branch.range();
         let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
         let all =
-            |hz: f64| parallel::map_all(&self.members, |m| self.has(m, hz).then_some(())).is_some();
+            |hz: f64| parallel::map_all(self.members, |m| self.has(m, hz).then_some(())).is_some();
         let seed = seeds.into_iter().find(|hz| all(*hz))?;
         let (corners, inside) = self.members.split_at(corners.min(self.members.len()));
         let by_corners = self.shared(corners, seed, (low, high));
