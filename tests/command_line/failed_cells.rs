@@ -33,7 +33,7 @@ fn a_sweep_goes_on_behind_a_run_that_fails() {
 #[test]
 fn a_diagram_goes_on_behind_a_run_that_fails() {
     some_fail(
-        "bifurcation --ratio 0.8:4:0.4 --direction all",
+        "bifurcation --ratio 3.4:4:0.2 --direction all",
         "their rows say failed",
     );
 }
