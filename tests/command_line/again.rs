@@ -6,13 +6,14 @@ use crate::emulate::STOPPED;
 use crate::shell::commands;
 use crate::support::{Folder, assert_refused};
 
-/// The cheapest form of each; of `pick`, one for each part that writes. `chapter` has its test in `chapter.rs`, as it takes long.
+/// The cheapest form of each. `chapter` has its test in `chapter.rs`, as it takes long.
 const WRITE: &[&str] = &[
     "pick --samples 0 --cart prescribed --rig mine.toml --report mine.html",
     "pick --samples 0 --cart prescribed --rig mine.toml --gap 0:0:1 --starts 1",
     "pick --samples 0 --cart prescribed --rig mine.toml --over gap_mm=0",
     "pick --nominal --cart prescribed --rig mine.toml --beside wires",
     "pick --nominal --cart prescribed --rig mine.toml --objective rop --threshold-n 50",
+    "pick --nominal --cart prescribed --all",
     "simulate --ratio 2 --cycles 60 --transient 40 --rig mine.toml",
     "sweep --ratio 2 --cycles 20 --transient 10 --rig mine.toml",
     "sweep --ratio 2 --cycles 20 --transient 10 --rig mine.toml --over gap_mm=0.0,1",

@@ -125,7 +125,7 @@ pub fn advise(
         NEAR_POINTS,
     );
     let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
-    let corners: Result<Vec<_>, Error> = parallel::try_map(&corners, |ground| {
+    let corners = parallel::try_map(&corners, |ground| {
         let there = DrillSetting {
             ground: *ground,
             ..*setting
@@ -133,7 +133,7 @@ pub fn advise(
         let corner = corner(rig, &there, best.frequency_hz, (&near, among), plan)?;
         crate::progress::step(progress, 1)?;
         Ok(corner)
-    });
+    })?;
     let cart = CartModel::of(&rig.params);
     let own = Some((best.rate_of_penetration_um_per_s, best.frequency_hz));
     let other = other_cart(rig, setting, (&near, among), plan)?;
@@ -169,7 +169,7 @@ pub fn advise(
         threshold_reached_ratios: first
             .zip(last)
             .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
-        corners: corners?,
+        corners,
         cart,
         recoil_rate_um_per_s: recoil.map(|r| r.0),
         recoil_frequency_hz: recoil.map(|r| r.1),

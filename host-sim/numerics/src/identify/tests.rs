@@ -113,10 +113,8 @@ fn the_intervals_hold_the_truth_as_often_as_they_say() {
         for i in 0..2 {
             let hits = held.iter().filter(|h| h[i]).count();
             println!("{misfit:?} parameter {i}: {hits} of {seeds}");
-            assert!(
-                hits >= seeds - if seeds == 24 { 4 } else { 2 },
-                "{misfit:?} parameter {i}: {hits} of {seeds}"
-            );
+            let enough = hits + seeds.div_ceil(6) >= seeds;
+            assert!(enough, "{misfit:?} parameter {i}: {hits} of {seeds}");
         }
     }
 }
@@ -372,7 +370,7 @@ fn converters_clocks_and_zeros_as_people_have_them_are_covered() {
         .chunks(2)
     {
         let right: usize = pair.iter().map(|row| row.right).sum();
-        assert!(6 * right >= 5 * 2 * records(3), "{pair:?}");
+        assert!(right + records(3) / 3 >= 2 * records(3), "{pair:?}");
     }
 }
 
