@@ -233,7 +233,8 @@ impl Controller {
         let near_hz = (hz / NATURAL_SPREAD, hz * NATURAL_SPREAD);
         let nominal_n = (self.forecast).largest_force_n(near_hz, self.trim.wanted_m());
         self.trim.set_way(match self.life.phase {
-            Phase::Manual if !self.oscillator.frequency_has_arrived() => Way::ByHand,
+            Phase::Manual if self.oscillator.frequency_has_arrived() => Way::AtSetPoint,
+            Phase::Manual => Way::ToSetPoint,
             Phase::Seek(_) => Way::Seeks,
             _ => Way::Stays,
         });

@@ -16,7 +16,7 @@ const BAND_MARGIN: f32 = 0.03;
 /// Distance kept from the forecast's doubling, relative.
 const CLEARANCE: f32 = 0.04;
 /// Drive periods with one contact each, in a row, after which the frequency follows their phase.
-const LOCK_PERIODS: u8 = 4;
+const LOCK_PERIODS: u8 = 3;
 /// Drive periods at the entry without that, after which the entry is sought elsewhere.
 const PATIENCE_PERIODS: u8 = 8;
 /// Step of that search, relative, per drive period.

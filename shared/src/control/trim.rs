@@ -37,6 +37,10 @@ const RELEASE: f32 = 1.01;
 const BLIND_RELEASE: f32 = 0.02;
 /// Drive periods in a row within a limit before what it took returns: the blows of an aperiodic motion differ.
 const CALM_PERIODS: u8 = 12;
+/// Share of a limit below which what it took returns.
+const NEARLY: f32 = 0.95;
+/// So many times the share at which a limit was nearly reached at a set-point by hand may return: readings are noisy.
+const NOISE: f32 = 1.02;
 /// As much more of a limit as was reached in the last drive period is expected in the next, at most this, while the frequency
 /// moves.
 const GROWTH: f32 = 0.2;
@@ -55,12 +59,14 @@ const CART_TRAVEL: f32 = 0.5;
 /// What the frequency does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// It stays, or nearly so.
+    /// It follows the phase of the contacts, or stays.
     Stays,
     /// It is searched for: the force may grow faster than a limit answers.
     Seeks,
     /// It is on its way to a set-point by hand: the same, and the forecast there counts.
-    ByHand,
+    ToSetPoint,
+    /// It is there: what was too much there stays too much.
+    AtSetPoint,
 }
 
 /// The amplitude loop.
@@ -82,6 +88,9 @@ pub struct Trim {
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
     draw: f32,
+    /// The largest share that returns. A motion that becomes smaller at a set-point by hand may be a sensor that reads less: what a
+    /// limit has taken there returns with the next set-point only.
+    most: f32,
     way: Way,
     /// Drive periods until the next reduction.
     wait: u8,
@@ -107,6 +116,7 @@ impl Trim {
             natural_hz: settings.rig.natural_frequency_hz() as f32,
             gain: 1.0,
             draw: 1.0,
+            most: 1.0,
             way: Way::Stays,
             wait: 0,
             calm: 0,
@@ -143,6 +153,7 @@ impl Trim {
     /// Takes the force forecast at the wanted amplitude and `hz`: if it, or the travel then, exceeds its limit, the
     /// initial amplitude is reduced accordingly (both are proportional to the amplitude of a 1/1 at no gap).
     pub fn expect(&mut self, force_n: f32, hz: f32) {
+        self.most = 1.0;
         let travel_m = self.expected_travel_m(force_n, hz);
         for (share, limit) in [
             (force_n / self.force_n, ActiveLimits::FORCE),
@@ -192,7 +203,7 @@ impl Trim {
         if expected_m > LEAST_COMMAND * self.wanted_m {
             self.correct(strobe.amplitude_m / expected_m, closed);
         }
-        let blind = if strobe.contacts == 0 || self.way == Way::ByHand {
+        let blind = if strobe.contacts == 0 || self.way == Way::ToSetPoint {
             self.by_forecast(nominal_n, hz)
         } else {
             1.0
@@ -203,8 +214,8 @@ impl Trim {
         let over = over_force.max(over_travel);
         let growth = over - core::mem::replace(&mut self.over, over);
         let over = match self.way {
-            Way::Stays => over,
-            Way::Seeks | Way::ByHand => over + growth.clamp(0.0, GROWTH),
+            Way::Stays | Way::AtSetPoint => over,
+            Way::Seeks | Way::ToSetPoint => over + growth.clamp(0.0, GROWTH),
         };
         let urgent = over > 1.1;
         self.wait = self.wait.saturating_sub(1);
@@ -223,13 +234,16 @@ impl Trim {
             };
             self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
             self.wait = ANSWER_PERIODS + 1;
-        } else if self.calm > CALM_PERIODS && over < 0.95 && steady {
+        } else if self.calm > CALM_PERIODS && over < NEARLY && steady {
             let release = if strobe.contacts > 0 {
                 RELEASE
             } else {
                 1.0 + BLIND_RELEASE / hz.max(1.0)
             };
-            self.draw = (self.draw * release).min(1.0);
+            self.draw = (self.draw * release).min(self.most);
+        }
+        if over > NEARLY && self.way == Way::AtSetPoint {
+            self.most = (NOISE * self.draw).min(1.0);
         }
         self.draw = self.draw.min(blind);
         if self.draw < 1.0 {

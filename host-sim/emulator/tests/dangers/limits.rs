@@ -139,6 +139,36 @@ fn the_travel_limit_holds_at_any_set_point_by_hand() {
         });
 }
 
+/// A travel that halves may be a sensor that reads half. What the limit had taken returned meanwhile: the travel was up to 128 % of the
+/// limit, until the sensor was named or for ever.
+#[test]
+fn a_travel_limit_by_hand_is_kept_when_the_hammer_s_sensor_reads_half() {
+    let ways = [
+        ("beam-150", 2.78, (11.21, 14.36), -4.7),
+        ("wires", 2.58, (4.44, 4.89), 0.4),
+        ("beam-170", 2.47, (7.78, 11.37), -3.4),
+        ("beam-150", 2.0, (14.43, 12.84), -0.7),
+    ];
+    let cases = ways
+        .iter()
+        .flat_map(|way| (1..5).map(move |seed| (way, seed)));
+    let cases: Vec<_> = cases.collect();
+    cases.par_iter().for_each(|((rig, limit_mm, (first_hz, then_hz), natural), seed)| {
+        let truth = truth_told(&format!(
+            "duration_s = 50.0\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\nnatural_frequency_percent = {natural:?}\n\
+             [sensors]\nnoise_percent = 1.0\n[limits]\ntravel_mm = {limit_mm:?}\n[trips]\ntravel_mm = {:?}\n{}{}{}{}",
+            1.5 * limit_mm,
+            by_hand(),
+            set_point(4.0, *first_hz, 0.89),
+            set_point(16.0, *then_hz, 0.89),
+            gain(31.5, "hammer", 0.5)
+        ));
+        let most = truth.travel_mm / limit_mm;
+        println!("{rig} {limit_mm} {then_hz} {seed}: {most}");
+        assert!(most < 1.05, "{rig} {limit_mm} {then_hz} {seed}: {most}");
+    });
+}
+
 /// A first set-point comes before there is a forecast.
 #[test]
 fn the_force_limit_holds_at_a_first_set_point_by_hand() {

@@ -170,6 +170,40 @@ fn what_a_limit_took_returns_only_while_the_sensors_are_steady() {
     assert!(strobe(&mut trim, 1.2, false) < reduced_m);
 }
 
+/// A hammer's sensor that reads half halves the travel, too.
+#[test]
+fn what_a_limit_took_at_a_set_point_by_hand_returns_with_the_next_one() {
+    let settings = Settings::for_rig(&WIRES);
+    let mut trim = Trim::new(&settings);
+    trim.set_wanted_amplitude(0.89e-3);
+    let strobe = |trim: &mut Trim, over: f32| {
+        let command_m = trim.command();
+        let strobe = Strobe {
+            amplitude_m: command_m,
+            contacts: 1,
+            travel_m: over * settings.limits.travel_m,
+            ..Strobe::default()
+        };
+        trim.strobe(&strobe, command_m, 4.0, (true, true), Some(0.0));
+        trim.command()
+    };
+    // What was taken before the limit was reached there returns.
+    trim.set_way(Way::ToSetPoint);
+    let on_the_way_m = strobe(&mut trim, 1.25);
+    trim.set_way(Way::AtSetPoint);
+    let there = (0..30).map(|_| strobe(&mut trim, 0.6));
+    let there_m = there.last().unwrap_or_default();
+    assert!(there_m > 1.05 * on_the_way_m, "{there_m} {on_the_way_m}");
+    let least_m = strobe(&mut trim, 0.97);
+    for _ in 0..100 {
+        assert!(strobe(&mut trim, 0.48) < 1.021 * least_m);
+    }
+    assert_eq!(trim.limits(), ActiveLimits::TRAVEL);
+    trim.expect(0.0, 4.0);
+    let next = (0..100).map(|_| strobe(&mut trim, 0.48));
+    assert_eq!(next.last(), Some(0.89e-3));
+}
+
 #[test]
 fn what_is_doubted_comes_nearer_to_its_limit_and_nothing_further_away() {
     let settings = Settings::for_rig(&WIRES);
