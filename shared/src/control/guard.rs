@@ -158,18 +158,22 @@ impl SampleGuard {
 
     /// The trip levels from now on: those of the settings, nearer by what is doubted, by the contact's true peak over what two
     /// samples in a row reach (`peak_over_two`: so many trip), and by as much as the readings at rest (of the force, N, and of
-    /// the hammer relative to the cart, m) are on the far side of 0. The cart goes as far to either side, so a zero off its
-    /// middle makes one of them trip early by itself.
+    /// the hammer relative to the cart, m) are on the far side of 0; away from the surface also by how far the zero may have moved
+    /// since (`shift_m`). The cart goes as far to either side, so a zero off its middle makes one of them trip early by itself.
     pub fn set_levels(
         &mut self,
         trips: &Trips,
         doubt: &Doubt,
         peak_over_two: f32,
         (rest_n, rest_m): (f32, f32),
+        shift_m: f32,
     ) {
         let travel_m = trips.travel_m / doubt.travel;
         self.force_trip_n = trips.force_n / (doubt.force * peak_over_two) + rest_n.min(0.0);
-        self.travel_trip_m = (rest_m.max(0.0) - travel_m, rest_m.min(0.0) + travel_m);
+        self.travel_trip_m = (
+            rest_m.max(0.0) + shift_m - travel_m,
+            rest_m.min(0.0) + travel_m,
+        );
         self.cart_trip_m = trips.cart_m / doubt.cart;
     }
 

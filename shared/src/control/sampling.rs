@@ -154,8 +154,10 @@ impl Controller {
         let doubt = self.doubt();
         let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
         let peak_over_two = self.sense.ringing().peak_over_two();
+        let shift_m = self.plausibility.zero_shift_m();
         self.guard
-            .set_levels(&self.settings.trips, &doubt, peak_over_two, rest);
+            .set_levels(&self.settings.trips, &doubt, peak_over_two, rest, shift_m);
+        self.sense.set_zero_shift(shift_m);
         let by_hand = self.life.phase.is_manual();
         self.trim.set_limits(&self.settings.limits, &doubt, by_hand);
     }

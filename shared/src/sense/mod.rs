@@ -83,7 +83,8 @@ pub struct Strobe {
     pub peak_n: f32,
     /// Impulse of the period's contacts, N·s.
     pub impulse_n_s: f32,
-    /// Largest displacement of the hammer relative to the cart in the period, m, either way.
+    /// Largest displacement of the hammer relative to the cart in the period, m, either way; from where the zero may have moved to
+    /// ([`Sense::set_zero_shift`]), if that is farther.
     pub travel_m: f32,
     /// How much the hammer itself moved, root mean square, m.
     pub hammer_m: f32,
@@ -134,6 +135,7 @@ pub struct Sense {
     /// How far the force's zero has moved since, N.
     force_drift_n: f32,
     rest_relative_m: f32,
+    zero_shift_m: f32,
     rebound_ticks: u32,
     last_phase: u32,
     last_cycle: Option<u32>,
@@ -166,6 +168,7 @@ impl Sense {
             force_offset_n: 0.0,
             force_drift_n: 0.0,
             rest_relative_m: 0.0,
+            zero_shift_m: 0.0,
             rebound_ticks: if ticks < 1000.0 { ticks as u32 } else { 1000 },
             last_phase: 0,
             last_cycle: None,
@@ -200,6 +203,11 @@ impl Sense {
         self.rest_relative_m = rest_relative_m;
     }
 
+    /// Sets how far the zero of x − y may have moved, m.
+    pub fn set_zero_shift(&mut self, shift_m: f32) {
+        self.zero_shift_m = shift_m;
+    }
+
     /// One tick: its samples, its number, and the drive as commanded for that instant.
     pub fn tick(&mut self, sample: Sample, tick: u32, drive: &Drive<f32>) -> SensedTick {
         let force_n = sample.force_n - self.force_offset_n - self.force_drift_n;
@@ -224,7 +232,8 @@ impl Sense {
         self.observer.tick(relative_m, inertial);
         self.section.tick(now.cycle, now.phase);
 
-        self.period.travel_m = largest(self.period.travel_m, relative_m);
+        let travel_m = largest(self.period.travel_m, relative_m);
+        self.period.travel_m = largest(travel_m, relative_m - self.zero_shift_m);
         let edge = self.pulses.tick(force_n);
         if let Some(contact) = self.ringing.tick(force_n, &edge) {
             self.end(&contact);

@@ -175,8 +175,8 @@ fn each_strobe_is_measured_as_it_was() {
         near("amplitude", strobe.amplitude_m, HAMMER.amplitude_m, 1e-6);
         near("lag", strobe.lag_rad, TAU * bench.lag_turns, 5e-3);
     }
-    let sense = &bench.sense;
     let last = seen.strobes.last().unwrap().0;
+    let sense = &bench.sense;
     assert_eq!(sense.cart(), (last.amplitude_m, last.lag_rad));
     assert!(sense.measured().regime.is(1, 1));
     assert_eq!(sense.measured().periods, 16);
@@ -187,6 +187,15 @@ fn each_strobe_is_measured_as_it_was() {
     let truth = bench.twin.rig().relative_displacement(state.q.hi);
     near("displacement", relative_m, truth, 5e-6);
     near("rate", rate, state.v.hi, 2e-4);
+    // Where the zero may have moved, the hammer may swing farther to the other side.
+    bench.sense.set_zero_shift(1e-3);
+    let travel_m = bench.run(2).strobes.last().unwrap().0.travel_m;
+    near(
+        "travel from there",
+        travel_m,
+        f64::from(last.travel_m) + 1e-3,
+        2e-5,
+    );
 }
 
 #[test]

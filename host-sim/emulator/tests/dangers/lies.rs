@@ -239,6 +239,30 @@ fn a_cart_s_sensor_that_is_late_is_found_before_a_limit_is_passed() {
     }
 }
 
+/// A zero that drifts as slowly as a surface recedes is followed as one: meanwhile the hammer swings farther to the other side than it
+/// reads. (The travel was up to 141 % of its limit, and mostly no sensor was named.)
+#[test]
+fn a_zero_that_drifts_moves_no_travel_beyond_its_limit() {
+    let ways = [
+        ("beam-170", 2.8, "hammer", 181.5),
+        ("beam-135", 2.8, "hammer", 160.5),
+        ("beam-150", 2.78, "hammer", 29.0),
+        ("beam-170", 3.72, "hammer", 66.0),
+        ("beam-150", 2.49, "cart", -53.0),
+        ("wires", 2.7, "hammer", 100.0),
+        ("wires", 3.1, "cart", -80.0),
+    ];
+    ways.par_iter()
+        .for_each(|(rig, limit_mm, sensor, um_per_s)| {
+            let limits = format!("[limits]\ntravel_mm = {limit_mm:?}\n");
+            let how = format!("fault = \"offset-drift\"\ndrift_um_per_s = {um_per_s:?}");
+            let tables = limits + &start() + &lie(20.0, sensor, &how);
+            let share = truth_of(rig, 60.0, &tables).travel_mm / limit_mm;
+            println!("{rig} {limit_mm} {sensor} {um_per_s}: {share}");
+            assert!(share < 1.06, "{rig} {sensor} {um_per_s}: {share}");
+        });
+}
+
 /// The zero of the hammer's sensor drifts: surface and rest position seem to move alike, which is no gap. (Followed as one, the
 /// force was 111 % of its limit.)
 #[test]

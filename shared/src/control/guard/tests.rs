@@ -149,25 +149,33 @@ fn levels_come_nearer_by_what_is_doubted_and_by_a_zero_on_the_far_side() {
         cart: 1.1,
     };
     let trips = settings.trips;
-    // Zeros, and the readings that trip: force, lowest and highest travel, cart.
-    for (rest, levels) in [
+    // Zeros, how far one may have moved, and the readings that trip: force, lowest and highest travel, cart.
+    for (rest, shift_m, levels) in [
         (
             (0.0, 0.0),
+            0.0,
             [trips.force_n / 1.25, -8.333e-3, 8.333e-3, 1.818e-3],
         ),
         (
             (-20.0, 1e-3),
+            0.0,
             [trips.force_n / 1.25 - 20.0, -7.333e-3, 8.333e-3, 1.818e-3],
         ),
         (
             (20.0, -1e-3),
+            0.0,
             [trips.force_n / 1.25, -8.333e-3, 7.333e-3, 1.818e-3],
+        ),
+        (
+            (0.0, 1e-3),
+            2e-3,
+            [trips.force_n / 1.25, -5.333e-3, 8.333e-3, 1.818e-3],
         ),
     ] {
         for (k, level) in levels.into_iter().enumerate() {
             for (share, trips_there) in [(1.01, true), (0.99, false)] {
                 let mut guard = SampleGuard::new(&settings);
-                guard.set_levels(&trips, &doubt, 1.0, rest);
+                guard.set_levels(&trips, &doubt, 1.0, rest, shift_m);
                 let code = |channel: &Channel| {
                     AdcCode((channel.zero_code + share * level / channel.unit_per_code) as u16)
                 };

@@ -26,17 +26,13 @@ impl Doubt {
     pub const MOST: f32 = 4.0 / 3.0;
 
     /// From the impulse of the contacts over the momentum they change (`momentum`) and the gain of the hammer's sensor over
-    /// the cart's (`ratio`), 1 for what is not known; and from how much farther out than set the surface was found, as a
-    /// share of the travel limit (`farther`): it has receded, or the hammer's zero has moved and it swings as much farther
-    /// to the other side than it reads.
-    pub fn new(momentum: f32, ratio: f32, farther: f32) -> Self {
+    /// the cart's (`ratio`), 1 for what is not known.
+    pub fn new(momentum: f32, ratio: f32) -> Self {
         let hammer = at_least_one(AGREES / ratio);
         Self {
             // A hammer that reads less makes the momentum too small as well.
             force: at_least_one(hammer * AGREES / momentum),
-            travel: hammer
-                .max(at_least_one(AGREES * momentum))
-                .max(shifted(farther)),
+            travel: hammer.max(at_least_one(AGREES * momentum)),
             cart: at_least_one(AGREES * ratio),
         }
     }
@@ -47,19 +43,6 @@ impl Doubt {
             travel: self.travel.max(within(AGREES / ratio, MOST_UNSURE)),
             ..self
         }
-    }
-}
-
-/// What is left below a limit may truly be passed by this: a surface that has receded is no sensor that lies.
-const PASSED: f32 = 1.07;
-
-/// The doubt of a value that may be this share of its limit larger than it reads: then it is at most [`PASSED`] of the limit.
-fn shifted(share: f32) -> f32 {
-    let left = PASSED * (1.0 - share);
-    if left > 0.0 {
-        at_least_one(1.0 / left)
-    } else {
-        Doubt::MOST
     }
 }
 
@@ -86,7 +69,7 @@ mod tests {
                     travel: 1.0,
                     cart: 1.0,
                 };
-                assert_eq!(Doubt::new(momentum, ratio, 0.0), none);
+                assert_eq!(Doubt::new(momentum, ratio), none);
             }
         }
     }
@@ -96,23 +79,23 @@ mod tests {
         for times in [0.76_f32, 0.8, 0.85, 0.9] {
             // The truth stays below 110 %, and little is given away.
             let enough = |doubt: f32| doubt * times > 0.93 && doubt * times < 1.03;
-            let force = Doubt::new(times, 1.0, 0.0);
+            let force = Doubt::new(times, 1.0);
             assert!(enough(force.force) && force.cart == 1.0, "{force:?}");
-            let hammer = Doubt::new(1.0, times, 0.0);
+            let hammer = Doubt::new(1.0, times);
             assert!(enough(hammer.travel) && hammer.cart == 1.0, "{hammer:?}");
             // The contacts tell it before the flights do.
-            let early = Doubt::new(1.0 / times, 1.0, 0.0);
+            let early = Doubt::new(1.0 / times, 1.0);
             assert!(enough(early.travel) && early.force == 1.0, "{early:?}");
-            let cart = Doubt::new(1.0, 1.0 / times, 0.0);
+            let cart = Doubt::new(1.0, 1.0 / times);
             assert!(enough(cart.cart) && cart.force == 1.0, "{cart:?}");
-            let both = Doubt::new(1.0, times, 0.0);
+            let both = Doubt::new(1.0, times);
             assert!(enough(both.force), "force and hammer alike: {both:?}");
         }
     }
 
     #[test]
     fn a_hammer_that_may_read_less_narrows_the_travel_alone() {
-        let sure = Doubt::new(0.9, 1.0, 0.0);
+        let sure = Doubt::new(0.9, 1.0);
         for (ratio, travel) in [
             (0.75, 0.98 / 0.75),
             (0.5, 1.96),
@@ -126,27 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_found_farther_out_than_set_may_be_a_zero_that_moved() {
-        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.06, 1.0), (0.4, 4.0 / 3.0)] {
-            let found = Doubt::new(1.0, 1.0, farther).travel;
-            assert!((found - doubt).abs() < 1e-6, "{farther}: {found}");
-        }
-        for farther in [0.1, 0.15, 0.2, 0.25] {
-            let read = 1.0 / Doubt::new(1.0, 1.0, farther).travel;
-            assert!((1.0..1.07).contains(&(read + farther)), "{farther}: {read}");
-        }
-    }
-
-    #[test]
     fn no_number_makes_a_limit_wider_or_closes_it() {
         let odd = [0.0, -1.0, 1e-30, 1e30, f32::NAN, f32::INFINITY, -0.0];
         for momentum in odd {
             for ratio in odd {
-                for farther in odd {
-                    let doubt = Doubt::new(momentum, ratio, farther);
-                    for one in [doubt.force, doubt.travel, doubt.cart] {
-                        assert!((1.0..=Doubt::MOST).contains(&one), "{doubt:?}");
-                    }
+                let doubt = Doubt::new(momentum, ratio);
+                for one in [doubt.force, doubt.travel, doubt.cart] {
+                    assert!((1.0..=Doubt::MOST).contains(&one), "{doubt:?}");
                 }
             }
         }

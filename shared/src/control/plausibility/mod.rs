@@ -86,7 +86,6 @@ pub struct Plausibility {
     /// None: not known since the last start.
     surface_m: Option<f32>,
     gap_set_m: f32,
-    travel_limit_m: f32,
     amplitude_m: f32,
     free: FreeSwing,
     zero_n: f32,
@@ -112,7 +111,6 @@ impl Plausibility {
         Self {
             surface_m: Some(settings.rig.gap_m as f32),
             gap_set_m: settings.rig.gap_m as f32,
-            travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
             free: FreeSwing::new(&settings.rig),
             zero_n: ZERO_SHARE * settings.limits.force_n,
@@ -239,12 +237,15 @@ impl Plausibility {
 
     /// How much too little the sensors may read.
     pub fn doubt(&self) -> Doubt {
-        let farther_m = self
-            .surface_m
-            .map_or(0.0, |surface_m| surface_m - self.gap_set_m);
-        let farther = farther_m / self.travel_limit_m;
-        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
+        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart)
             .or_hammer_reads(self.unsure_ratio)
+    }
+
+    /// How much farther out than set the surface was found, m: it has receded, or a zero has moved by as much, and the hammer
+    /// swings so much farther to the other side than it reads.
+    pub fn zero_shift_m(&self) -> f32 {
+        self.surface_m
+            .map_or(0.0, |surface_m| (surface_m - self.gap_set_m).max(0.0))
     }
 
     /// Whether contacts tell the same of the sensors as before. Nothing is made larger while they do not: a gain may have

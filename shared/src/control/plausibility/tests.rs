@@ -457,12 +457,14 @@ fn a_gain_that_has_just_changed_is_not_steady_until_the_sums_agree() {
 }
 
 #[test]
-fn a_surface_farther_out_than_set_makes_the_travel_doubted() {
+fn a_surface_farther_out_than_set_may_be_a_zero_that_moved() {
     let mut settings = Settings::for_rig(&WIRES);
     settings.rig.gap_m = 0.5e-3;
     let mut plausibility = Plausibility::new(&settings);
-    assert_eq!(plausibility.doubt().travel, 1.0);
-    // A fifth of the travel limit of 9 mm, which may be passed by 7 %.
-    plausibility.believe_surface(2.3e-3);
-    assert!((plausibility.doubt().travel - 1.25 / 1.07).abs() < 1e-4);
+    for (found_m, shift_m) in [(0.5e-3, 0.0), (2.3e-3, 1.8e-3), (-0.5e-3, 0.0)] {
+        plausibility.believe_surface(found_m);
+        assert!((plausibility.zero_shift_m() - shift_m).abs() < 1e-7);
+    }
+    plausibility.restart();
+    assert_eq!(plausibility.zero_shift_m(), 0.0);
 }
