@@ -26,6 +26,8 @@ const LONGEST: u32 = 200_000;
 #[derive(Clone, Debug)]
 pub struct Bench {
     settings: Settings,
+    /// Displacement of the hammer at rest relative to the cart, m.
+    rest_m: f32,
     twin: Option<Twin<f32, Corrected>>,
     /// Cart amplitude, m.
     amplitude_m: f64,
@@ -41,6 +43,8 @@ impl Bench {
     pub fn new(settings: &Settings) -> Self {
         Self {
             settings: *settings,
+            rest_m: Rig::<f32>::new(&settings.rig)
+                .map_or(0.0, |rig| rig.relative_displacement(rig.rest())),
             twin: None,
             amplitude_m: 0.0,
             peak: 0,
@@ -66,7 +70,7 @@ impl Bench {
             ..
         } = self.settings;
         let (force_n, relative_m, cart_m) = match &mut self.twin {
-            None => (0.0, rest_m(&self.settings.rig), 0.0),
+            None => (0.0, self.rest_m, 0.0),
             Some(twin) => {
                 // The tick's mean, as a sensor behind its anti-alias filter shows it: the force jumps at onset, and
                 // its value at the tick's end would alias by up to 8 % of the impulse.
@@ -159,11 +163,6 @@ impl Bench {
         let code = channel.zero_code + value / channel.unit_per_code + noise + 0.5;
         AdcCode(code.clamp(0.0, f32::from(ADC_FULL_SCALE)) as u16)
     }
-}
-
-/// Displacement of the hammer at rest relative to the cart, m.
-fn rest_m(rig: &RigParams) -> f32 {
-    Rig::<f32>::new(rig).map_or(0.0, |rig| rig.relative_displacement(rig.rest()))
 }
 
 #[cfg(test)]

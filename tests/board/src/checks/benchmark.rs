@@ -19,7 +19,7 @@ use crate::profile::USED;
 const PAINT: [u8; 4] = [0xcc; 4];
 
 /// When a block's set-points must be there, cycles after its interrupt (docs/wiring.md), and the whole block.
-const DEADLINE: u64 = 88_380;
+pub(super) const DEADLINE: u64 = 88_380;
 const BLOCK: u64 = 90_000;
 
 /// True once an interrupt (Ctrl-C, SIGTERM) has come: the first ends the benchmark, which then says what it has found so far;
@@ -132,7 +132,7 @@ pub fn benchmark(setup: &Setup) -> Found {
 }
 
 /// The longest block must end in time at the upper bound of its cycles.
-fn within_deadline(cycles: u64) -> Result<(), String> {
+pub(super) fn within_deadline(cycles: u64) -> Result<(), String> {
     if cycles < DEADLINE {
         return Ok(());
     }

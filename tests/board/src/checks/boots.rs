@@ -4,6 +4,7 @@ use shared::control::State;
 use shared::fault::Fault;
 use shared::link::LinkAct;
 
+use super::benchmark::{DEADLINE, within_deadline};
 use super::session::Bench;
 use super::{Found, Setup, must};
 use crate::core::nvic::FIRST;
@@ -223,6 +224,7 @@ pub fn button_held(setup: &Setup) -> Found {
     around.pins[port::C][13] = Outside::Low;
     let mut bench = Bench::power_up(setup, around)?;
     bench.advance_ms(300)?;
+    bench.rig.borrow_mut().machine.start_profile();
     let button = |bench: &mut Bench, level: Outside, ms: u64| {
         bench.rig.borrow_mut().machine.set_pin(port::C, 13, level);
         bench.advance_ms(ms)
@@ -239,18 +241,27 @@ pub fn button_held(setup: &Setup) -> Found {
     }
     bench.must_be(State::Idle)?;
     button(&mut bench, Outside::Low, 2200)?;
-    let state = bench.status()?.state;
+    let status = bench.status()?;
+    let state = status.state;
     must(matches!(state, State::SelfTest | State::Prove), || {
-        format!("{state:?} after two seconds of the button")
+        format!(
+            "{state:?} after two seconds of the button: {:?}",
+            status.fault
+        )
     })?;
     // The next press stops it, and held on starts nothing again.
     button(&mut bench, Outside::High, 100)?;
     button(&mut bench, Outside::Low, 3500)?;
     bench.must_be(State::Idle)?;
-    Ok((
-        "the model replaces the rig, idle without stored settings; a start wants the button for two seconds".into(),
-        bench.now(),
-    ))
+    let rig = bench.rig.borrow();
+    let profile = rig.machine.profile.as_deref().ok_or("no profile")?;
+    let [table, _, misses] = profile.longest;
+    within_deadline(misses)?;
+    let text = format!(
+        "the model replaces the rig, idle without stored settings; a start wants the button for two seconds; a block takes {table} to \
+         {misses} cycles of {DEADLINE}"
+    );
+    Ok((text, rig.machine.now))
 }
 
 /// Whether the program takes a board with these option bytes for fit.
