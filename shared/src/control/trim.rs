@@ -88,8 +88,8 @@ pub struct Trim {
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
     draw: f32,
-    /// The largest share that returns. A motion that becomes smaller at a set-point by hand may be a sensor that reads less: what a
-    /// limit has taken there returns with the next set-point only.
+    /// The largest share that returns. A motion that becomes smaller at a set-point by hand may be a sensor that reads less: there it
+    /// is little more than that at which a limit was nearly reached; the next set-point makes it whole.
     most: f32,
     way: Way,
     /// Drive periods until the next reduction.

@@ -145,21 +145,33 @@ fn force_above_the_limit_draws_the_amplitude_back_and_lets_it_return() {
     assert!((0.75..0.9).contains(&(command / 0.89e-3)), "{command}");
 }
 
+/// A drive period with one contact, at the amplitude commanded; the command after it.
+fn contact(trim: &mut Trim, steady: bool, measured: Strobe) -> f32 {
+    let command_m = trim.command();
+    let strobe = Strobe {
+        amplitude_m: command_m,
+        contacts: 1,
+        ..measured
+    };
+    trim.strobe(&strobe, command_m, 4.0, (true, steady), Some(0.0));
+    trim.command()
+}
+
 #[test]
 fn what_a_limit_took_returns_only_while_the_sensors_are_steady() {
     let settings = Settings::for_rig(&WIRES);
     let mut trim = Trim::new(&settings);
     trim.set_wanted_amplitude(0.89e-3);
     let strobe = |trim: &mut Trim, over: f32, steady: bool| {
-        let command_m = trim.command();
-        let strobe = Strobe {
-            amplitude_m: command_m,
-            contacts: 1,
-            peak_n: over * settings.limits.force_n,
-            ..Strobe::default()
-        };
-        trim.strobe(&strobe, command_m, 4.0, (true, steady), Some(0.0));
-        trim.command()
+        let peak_n = over * settings.limits.force_n;
+        contact(
+            trim,
+            steady,
+            Strobe {
+                peak_n,
+                ..Strobe::default()
+            },
+        )
     };
     let reduced_m = strobe(&mut trim, 1.25, true);
     for _ in 0..30 {
@@ -177,15 +189,15 @@ fn what_a_limit_took_at_a_set_point_by_hand_returns_with_the_next_one() {
     let mut trim = Trim::new(&settings);
     trim.set_wanted_amplitude(0.89e-3);
     let strobe = |trim: &mut Trim, over: f32| {
-        let command_m = trim.command();
-        let strobe = Strobe {
-            amplitude_m: command_m,
-            contacts: 1,
-            travel_m: over * settings.limits.travel_m,
-            ..Strobe::default()
-        };
-        trim.strobe(&strobe, command_m, 4.0, (true, true), Some(0.0));
-        trim.command()
+        let travel_m = over * settings.limits.travel_m;
+        contact(
+            trim,
+            true,
+            Strobe {
+                travel_m,
+                ..Strobe::default()
+            },
+        )
     };
     // What was taken before the limit was reached there returns.
     trim.set_way(Way::ToSetPoint);
