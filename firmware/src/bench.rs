@@ -7,14 +7,18 @@
 
 use shared::io::{ADC_FULL_SCALE, AdcCode, Channel, DacCode, Frame, Output};
 use shared::model::drive::{Drive, Stamp};
-use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 use shared::model::step::{Corrected, HammerState};
 use shared::model::twin::Twin;
-use shared::settings::{DriveKind, Settings, TICK_RATE_HZ, TICK_S};
+use shared::settings::{DriveKind, DriveSettings, Settings, TICK_RATE_HZ, TICK_S};
 
-/// Ticks in a second.
-const PER_TICK_S: f32 = TICK_RATE_HZ as f32;
+/// Ticks in a step of the model: with a step to every tick, the tick of a light touch would take a block past its
+/// deadline (docs/board-machine.md).
+const STEP_TICKS: u32 = 2;
+/// A step, s.
+const STEP_S: f64 = STEP_TICKS as f64 * TICK_S;
+/// Steps in a second.
+const STEPS_PER_S: f32 = TICK_RATE_HZ as f32 / STEP_TICKS as f32;
 /// Cart amplitude of a drive at rest, m: the model needs one above 0; no sensor resolves it.
 const STANDING_M: f64 = 1e-9;
 /// The set-point must have been this far below the middle for its rise through it to count, codes.
@@ -25,15 +29,22 @@ const LONGEST: u32 = 200_000;
 /// The model in place of the rig.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    settings: Settings,
+    /// The sensors of force, hammer and cart.
+    channels: [Channel; 3],
+    drive: DriveSettings,
+    /// The rig, worked out once: that takes longer than a tick. None: settings that no check has passed.
+    rig: Option<Rig<f32>>,
     /// Displacement of the hammer at rest relative to the cart, m.
     rest_m: f32,
     twin: Option<Twin<f32, Corrected>>,
+    /// Contact force (N), the hammer's displacement relative to the cart (m) and the cart's displacement (m) in this step.
+    seen: (f32, f32, f32),
     /// Cart amplitude, m.
     amplitude_m: f64,
     /// Largest set-point since the last crossing, codes from the middle.
     peak: i32,
     armed: bool,
+    /// Ticks since that crossing; of a motor, since it was switched on.
     since: u32,
     noise: u32,
 }
@@ -41,11 +52,14 @@ pub struct Bench {
 impl Bench {
     /// The rig the settings describe, at rest.
     pub fn new(settings: &Settings) -> Self {
+        let rig = Rig::new(&settings.rig).ok();
         Self {
-            settings: *settings,
-            rest_m: Rig::<f32>::new(&settings.rig)
-                .map_or(0.0, |rig| rig.relative_displacement(rig.rest())),
+            channels: [settings.force, settings.hammer, settings.cart],
+            drive: settings.drive,
+            rig,
+            rest_m: rig.map_or(0.0, |rig| rig.relative_displacement(rig.rest())),
             twin: None,
+            seen: Default::default(),
             amplitude_m: 0.0,
             peak: 0,
             armed: false,
@@ -63,26 +77,20 @@ impl Bench {
 
     fn tick(&mut self, output: &Output) -> Frame {
         self.follow(output);
-        let Settings {
-            force,
-            hammer,
-            cart,
-            ..
-        } = self.settings;
-        let (force_n, relative_m, cart_m) = match &mut self.twin {
-            None => (0.0, self.rest_m, 0.0),
-            Some(twin) => {
-                // The tick's mean, as a sensor behind its anti-alias filter shows it: the force jumps at onset, and
-                // its value at the tick's end would alias by up to 8 % of the impulse.
-                let force_n = twin.tick().impulse * PER_TICK_S;
+        let [force, hammer, cart] = self.channels;
+        match &mut self.twin {
+            None => self.seen = (0.0, self.rest_m, 0.0),
+            Some(twin) if self.since.is_multiple_of(STEP_TICKS) => {
+                // The step's mean, as a sensor behind its anti-alias filter shows it: the force jumps at onset, and
+                // its value at the step's end would alias the impulse.
+                let force_n = twin.tick().impulse * STEPS_PER_S;
                 let relative_m = twin.rig().relative_displacement(twin.state().q.hi);
-                (
-                    force_n,
-                    relative_m,
-                    twin.rig().amplitude() * twin.drive().sin(),
-                )
+                let cart_m = twin.rig().amplitude() * twin.drive().sin();
+                self.seen = (force_n, relative_m, cart_m);
             }
-        };
+            Some(_) => {}
+        }
+        let (force_n, relative_m, cart_m) = self.seen;
         Frame {
             force: self.code(&force, force_n),
             hammer: self.code(&hammer, cart_m + relative_m),
@@ -102,13 +110,12 @@ impl Bench {
         let code = i32::from(output.dac.0) - i32::from(DacCode::MIDDLE.0);
         let frequency_hz = f64::from(output.frequency_hz);
         self.since = self.since.saturating_add(1);
-        match self.settings.drive.kind {
+        match self.drive.kind {
             DriveKind::Shaker => {
                 self.armed |= code < -ARMED;
                 self.peak = self.peak.max(code.abs());
                 if (self.armed && code >= 0) || self.since > LONGEST {
-                    self.amplitude_m =
-                        f64::from(self.peak) * f64::from(self.settings.drive.m_per_code);
+                    self.amplitude_m = f64::from(self.peak) * f64::from(self.drive.m_per_code);
                     (self.peak, self.armed, self.since) = (0, false, 0);
                     self.restart(frequency_hz, true);
                 }
@@ -116,7 +123,7 @@ impl Bench {
             DriveKind::Motor => {
                 // The mechanism's amplitude; its frequency follows ten times a second.
                 if self.since.is_multiple_of(2_000) || self.twin.is_none() {
-                    self.amplitude_m = self.settings.rig.amplitude_m;
+                    self.amplitude_m = self.rig.map_or(0.0, |rig| f64::from(rig.amplitude()));
                     self.restart(frequency_hz, false);
                 }
             }
@@ -125,19 +132,15 @@ impl Bench {
 
     /// Continues from the hammer's state under a drive of that frequency and of the present amplitude.
     fn restart(&mut self, frequency_hz: f64, from_zero: bool) {
-        let params = RigParams {
-            amplitude_m: self.amplitude_m.max(STANDING_M),
-            ..self.settings.rig
-        };
-        let (Ok(rig), Ok(drive)) = (Rig::<f32>::new(&params), Drive::new(frequency_hz, TICK_S))
-        else {
+        let (Some(rig), Ok(drive)) = (self.rig, Drive::new(frequency_hz, STEP_S)) else {
             return;
         };
+        let rig = rig.with_amplitude(self.amplitude_m.max(STANDING_M) as f32);
         let old = self.twin.as_ref().filter(|_| !from_zero);
         let drive = match old {
             Some(twin) => {
                 let mut going = *twin.drive();
-                if going.set_frequency(frequency_hz, TICK_S).is_err() {
+                if going.set_frequency(frequency_hz, STEP_S).is_err() {
                     return;
                 }
                 going

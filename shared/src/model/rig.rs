@@ -133,6 +133,11 @@ impl<R: Real> Rig<R> {
         self.mass
     }
 
+    /// The same rig with this cart amplitude, m.
+    pub fn with_amplitude(self, amplitude: R) -> Self {
+        Self { amplitude, ..self }
+    }
+
     /// Cart amplitude A0, m.
     #[inline]
     pub fn amplitude(&self) -> R {
