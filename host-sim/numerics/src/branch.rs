@@ -4,6 +4,7 @@ use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
+use crate::lanes::{self, Cell, CellPlan};
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
 use crate::parallel;
 
@@ -196,8 +197,24 @@ pub(crate) fn settle(
     /// A run that moves less than this from one strobe to the next, in A0 and A0 Ω, is left to Newton's iteration.
     const NEAR: f64 = 1e-6;
     let mut hammer = machine(Engine::Event, params, frequency_hz, start).ok()?;
-    let mut arrival = Arrival::of(hammer.as_ref(), NEAR);
     let orbit = |section| shoot(params, frequency_hz, section).filter(Orbit::is_stable_one_one);
+    let recorded = plan.cycles - plan.transient;
+    let cell = Cell {
+        params: *params,
+        frequency_hz,
+        start: hammer.section(),
+        phase: 0.0,
+    };
+    let in_lanes = CellPlan {
+        cycles: plan.cycles,
+        recorded,
+        early: true,
+        strobes: 0,
+    };
+    if let Some(run) = lanes::alone(&cell, &in_lanes) {
+        return orbit(run.section).filter(|_| run.regime.is(1, 1));
+    }
+    let mut arrival = Arrival::of(hammer.as_ref(), NEAR);
     for _ in 0..plan.transient {
         hammer.period(None);
         within_reach(hammer.as_ref()).ok()?;
@@ -206,7 +223,7 @@ pub(crate) fn settle(
         }
     }
     let recorded = Plan {
-        cycles: plan.cycles - plan.transient,
+        cycles: recorded,
         transient: 0,
     };
     let seen = observe(hammer.as_mut(), recorded, &mut CycleRecorder::default()).ok()?;

@@ -90,6 +90,12 @@ pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, E
     run_with(Options::default(), cells, plan).map(|(outcomes, _)| outcomes)
 }
 
+/// One cell in a lane; none where the lanes must leave it to the reference.
+pub(crate) fn alone(cell: &Cell, plan: &CellPlan) -> Option<CellOutcome> {
+    let tried = ::lanes::try_run(Options::default(), std::slice::from_ref(cell), plan);
+    tried.outcomes.into_iter().next()?
+}
+
 /// Runs every cell by `engine`, one after the other in every thread: the reference for an audit, or the switch model.
 ///
 /// # Errors
