@@ -4,7 +4,7 @@ use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
-use crate::lanes::{self, Cell, CellPlan};
+use crate::lanes;
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
 use crate::parallel;
 
@@ -198,20 +198,7 @@ pub(crate) fn settle(
     const NEAR: f64 = 1e-6;
     let mut hammer = machine(Engine::Event, params, frequency_hz, start).ok()?;
     let orbit = |section| shoot(params, frequency_hz, section).filter(Orbit::is_stable_one_one);
-    let recorded = plan.cycles - plan.transient;
-    let cell = Cell {
-        params: *params,
-        frequency_hz,
-        start: hammer.section(),
-        phase: 0.0,
-    };
-    let in_lanes = CellPlan {
-        cycles: plan.cycles,
-        recorded,
-        early: true,
-        strobes: 0,
-    };
-    if let Some(run) = lanes::alone(&cell, &in_lanes) {
+    if let Some(run) = lanes::settled(params, frequency_hz, hammer.section(), plan) {
         return orbit(run.section).filter(|_| run.regime.is(1, 1));
     }
     let mut arrival = Arrival::of(hammer.as_ref(), NEAR);
@@ -223,7 +210,7 @@ pub(crate) fn settle(
         }
     }
     let recorded = Plan {
-        cycles: recorded,
+        cycles: plan.cycles - plan.transient,
         transient: 0,
     };
     let seen = observe(hammer.as_mut(), recorded, &mut CycleRecorder::default()).ok()?;

@@ -9,6 +9,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::Observation;
 use crate::error::{Error, MotionError, PickError};
+use crate::lanes::CellOutcome;
 use crate::uncertainty::Stated;
 
 /// How the cart is moved.
@@ -233,6 +234,20 @@ impl RunRow {
             failed: false,
             failure: None,
             ..Self::failed(rig, params, seen.frequency_hz)
+        }
+    }
+
+    /// The row of a run in the lanes, which know no contact's speed and duration.
+    pub(crate) fn of_cell(rig: &str, params: &RigParams, hz: f64, run: &CellOutcome) -> Self {
+        Self {
+            impacts: run.regime.impacts(),
+            periods: run.regime.periods(),
+            regime: run.regime,
+            force_ratio: run.force_n / params.weight_n(),
+            force_n: run.force_n,
+            unsettled: run.unsettled,
+            failed: false,
+            ..Self::failed(rig, params, hz)
         }
     }
 

@@ -6,6 +6,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::{CycleRecorder, Engine, Plan, Start, machine, observe, observe_settled};
 use crate::error::Error;
+use crate::lanes;
 use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::row::NamedRig;
@@ -56,20 +57,47 @@ pub fn sweep(
     plan: Plan,
     progress: &dyn Progress,
 ) -> Result<Vec<RunRow>, Error> {
-    let run =
-        |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
+    along(frequencies_hz, direction, |hz, start| {
+        run_one(rig, engine, *hz, start, plan, progress)
+    })
+}
+
+/// The same for a picture: in the lanes where these can run it, by the reference where not. Rows of the lanes know no
+/// contact's speed and duration.
+pub(crate) fn drawn(
+    rig: &NamedRig,
+    frequencies_hz: &[f64],
+    direction: Direction,
+    plan: Plan,
+    progress: &dyn Progress,
+) -> Result<Vec<RunRow>, Error> {
+    along(frequencies_hz, direction, |hz, start| {
+        let by_reference = || run_one(rig, Engine::Event, *hz, start, plan, progress);
+        lanes_run(rig, *hz, start, plan)?.map_or_else(by_reference, |ran| {
+            step(progress, 1)?;
+            Ok(ran)
+        })
+    })
+}
+
+/// The runs of `points`, rows in the same order.
+fn along<T: Sync>(
+    points: &[T],
+    direction: Direction,
+    run: impl Fn(&T, Start) -> Result<Ran, Error> + Sync,
+) -> Result<Vec<RunRow>, Error> {
     if direction == Direction::Rest {
-        let rows = parallel::try_map(frequencies_hz, |f| run(*f, Start::Rest))?;
+        let rows = parallel::try_map(points, |point| run(point, Start::Rest))?;
         return unless_all_failed(rows);
     }
-    let mut order: Vec<f64> = frequencies_hz.to_vec();
+    let mut order: Vec<&T> = points.iter().collect();
     if direction == Direction::Down {
         order.reverse();
     }
     let mut start = Start::Rest;
     let mut rows = Vec::with_capacity(order.len());
-    for frequency_hz in order {
-        let found = run(frequency_hz, start)?;
+    for point in order {
+        let found = run(point, start)?;
         start = found.carried();
         rows.push(found);
     }
@@ -117,26 +145,24 @@ pub fn over(
     plan: Plan,
     progress: &dyn Progress,
 ) -> Result<Vec<RunRow>, Error> {
-    let run = |(rig, hz): &(NamedRig, f64), start| run_one(rig, engine, *hz, start, plan, progress);
-    if direction == Direction::Rest {
-        let rows = parallel::try_map(runs, |one| run(one, Start::Rest))?;
-        return unless_all_failed(rows);
-    }
-    let mut order: Vec<&(NamedRig, f64)> = runs.iter().collect();
-    if direction == Direction::Down {
-        order.reverse();
-    }
-    let mut start = Start::Rest;
-    let mut rows = Vec::with_capacity(order.len());
-    for one in order {
-        let found = run(one, start)?;
-        start = found.carried();
-        rows.push(found);
-    }
-    if direction == Direction::Down {
-        rows.reverse();
-    }
-    unless_all_failed(rows)
+    along(runs, direction, |(rig, hz), start| {
+        run_one(rig, engine, *hz, start, plan, progress)
+    })
+}
+
+/// A run in a lane; none where the lanes must leave it to the reference.
+fn lanes_run(
+    rig: &NamedRig,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+) -> Result<Option<Ran>, Error> {
+    let start = machine(Engine::Event, &rig.params, frequency_hz, start)?.section();
+    let run = lanes::settled(&rig.params, frequency_hz, start, plan);
+    Ok(run.map(|run| Ran {
+        row: RunRow::of_cell(&rig.name, &rig.params, frequency_hz, &run),
+        end: Ok(run.section),
+    }))
 }
 
 fn run_one(
@@ -269,6 +295,7 @@ pub fn single(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
     use shared::model::params::WIRES;
 
     const PLAN: Plan = Plan {
@@ -292,6 +319,33 @@ mod tests {
         assert!(found(0.0, 0.02).is_empty());
         let differing = found(2.4e-3, 0.2);
         assert!(differing.len() > 5 && differing[0] > 2.7, "{differing:?}");
+    }
+
+    #[test]
+    fn what_the_lanes_draw_is_the_references_curve() {
+        let frequencies = spread(2.2, 5.2, 25);
+        for cart in [CartDrive::Prescribed, CartDrive::Loop(ASSUMED_SHAKER)] {
+            let params = RigParams {
+                gap_m: 0.5e-3,
+                cart,
+                ..WIRES
+            };
+            let rig = NamedRig::new("wires", params);
+            for direction in [Direction::Up, Direction::Down] {
+                let exact = sweep(&rig, Engine::Event, &frequencies, direction, PLAN, &()).unwrap();
+                let drawn = drawn(&rig, &frequencies, direction, PLAN, &()).unwrap();
+                for (a, b) in exact
+                    .iter()
+                    .zip(&drawn)
+                    .filter(|(a, _)| a.periods.is_some())
+                {
+                    assert_eq!((a.frequency_hz, a.regime), (b.frequency_hz, b.regime));
+                    let off = a.force_n / b.force_n - 1.0;
+                    assert!(off.abs() < 1e-3, "{} Hz: {off}", a.frequency_hz);
+                }
+                assert!(drawn.iter().any(|row| row.contact_time_ms.is_none()));
+            }
+        }
     }
 
     #[test]

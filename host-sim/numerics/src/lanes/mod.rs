@@ -9,7 +9,9 @@
 mod fast;
 mod one;
 
-use crate::engine::Engine;
+use shared::model::params::RigParams;
+
+use crate::engine::{Engine, Plan};
 use crate::error::Error;
 use crate::parallel;
 
@@ -90,9 +92,26 @@ pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, E
     run_with(Options::default(), cells, plan).map(|(outcomes, _)| outcomes)
 }
 
-/// One cell in a lane; none where the lanes must leave it to the reference.
-pub(crate) fn alone(cell: &Cell, plan: &CellPlan) -> Option<CellOutcome> {
-    let tried = ::lanes::try_run(Options::default(), std::slice::from_ref(cell), plan);
+/// A run of `plan` from the section point `start` in a lane; none where the lanes must leave it to the reference.
+pub(crate) fn settled(
+    params: &RigParams,
+    frequency_hz: f64,
+    start: [f64; 2],
+    plan: Plan,
+) -> Option<CellOutcome> {
+    let cell = Cell {
+        params: *params,
+        frequency_hz,
+        start,
+        phase: 0.0,
+    };
+    let plan = CellPlan {
+        cycles: plan.cycles,
+        recorded: plan.cycles - plan.transient,
+        early: true,
+        strobes: 0,
+    };
+    let tried = ::lanes::try_run(Options::default(), &[cell], &plan);
     tried.outcomes.into_iter().next()?
 }
 
