@@ -20,7 +20,9 @@ const MOST: u32 = 100_000;
 
 /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
 #[derive(Debug, clap::Args)]
-#[command(after_help = "On two cores 200 rigs take a minute and a half, --long two minutes.\n\nExamples:\n  host-sim trials --count 20\n  host-sim trials --long")]
+#[command(
+    after_help = "On two cores 200 rigs take a minute and a half, --long two minutes.\n\nExamples:\n  host-sim trials --count 20\n  host-sim trials --long"
+)]
 pub struct Args {
     /// How many trials, on the rigs in turn [default: 200; with --long 40]
     #[arg(long, value_name = "N")]
