@@ -222,30 +222,33 @@ impl Serialize for Outcome {
 impl RunRow {
     /// The row of a run of the rig `rig` with `params`.
     pub fn new(rig: &str, params: &RigParams, seen: &Observation) -> Self {
+        let shown = (seen.regime, seen.unsettled, seen.force_n);
         Self {
-            impacts: seen.regime.impacts(),
-            periods: seen.regime.periods(),
-            regime: seen.regime,
-            force_ratio: seen.force_n / params.weight_n(),
-            force_n: seen.force_n,
             approach_speed_m_per_s: seen.strongest.map(|c| c.approach_speed_m_per_s),
             contact_time_ms: seen.strongest.map(|c| c.duration_s * 1e3),
-            unsettled: seen.unsettled,
-            failed: false,
-            failure: None,
-            ..Self::failed(rig, params, seen.frequency_hz)
+            ..Self::of(rig, params, seen.frequency_hz, shown)
         }
     }
 
     /// The row of a run in the lanes, which know no contact's speed and duration.
     pub(crate) fn of_cell(rig: &str, params: &RigParams, hz: f64, run: &CellOutcome) -> Self {
+        Self::of(rig, params, hz, (run.regime, run.unsettled, run.force_n))
+    }
+
+    /// What every run shows at `hz`: its regime, whether that may pass, and its largest force, N.
+    fn of(
+        rig: &str,
+        params: &RigParams,
+        hz: f64,
+        (regime, unsettled, force_n): (Regime, bool, f64),
+    ) -> Self {
         Self {
-            impacts: run.regime.impacts(),
-            periods: run.regime.periods(),
-            regime: run.regime,
-            force_ratio: run.force_n / params.weight_n(),
-            force_n: run.force_n,
-            unsettled: run.unsettled,
+            impacts: regime.impacts(),
+            periods: regime.periods(),
+            regime,
+            force_ratio: force_n / params.weight_n(),
+            force_n,
+            unsettled,
             failed: false,
             ..Self::failed(rig, params, hz)
         }

@@ -62,26 +62,8 @@ pub fn sweep(
     })
 }
 
-/// The same for a picture: in the lanes where these can run it, by the reference where not. Rows of the lanes know no
-/// contact's speed and duration.
-pub(crate) fn drawn(
-    rig: &NamedRig,
-    frequencies_hz: &[f64],
-    direction: Direction,
-    plan: Plan,
-    progress: &dyn Progress,
-) -> Result<Vec<RunRow>, Error> {
-    along(frequencies_hz, direction, |hz, start| {
-        let by_reference = || run_one(rig, Engine::Event, *hz, start, plan, progress);
-        lanes_run(rig, *hz, start, plan)?.map_or_else(by_reference, |ran| {
-            step(progress, 1)?;
-            Ok(ran)
-        })
-    })
-}
-
 /// The runs of `points`, rows in the same order.
-fn along<T: Sync>(
+pub(crate) fn along<T: Sync>(
     points: &[T],
     direction: Direction,
     run: impl Fn(&T, Start) -> Result<Ran, Error> + Sync,
@@ -108,7 +90,7 @@ fn along<T: Sync>(
 }
 
 /// What became of a run: its row, and where it ended, or why it failed.
-struct Ran {
+pub(crate) struct Ran {
     row: RunRow,
     end: Result<[f64; 2], Error>,
 }
@@ -150,19 +132,27 @@ pub fn over(
     })
 }
 
-/// A run in a lane; none where the lanes must leave it to the reference.
-fn lanes_run(
+/// A run for a picture: in a lane where the lanes can do it, whose row knows no contact's speed and duration, else by the
+/// reference.
+///
+/// # Errors
+/// If the rig, the frequency or the start is out of range, or if the work is interrupted.
+pub(crate) fn drawn(
     rig: &NamedRig,
     frequency_hz: f64,
     start: Start,
     plan: Plan,
-) -> Result<Option<Ran>, Error> {
-    let start = machine(Engine::Event, &rig.params, frequency_hz, start)?.section();
-    let run = lanes::settled(&rig.params, frequency_hz, start, plan);
-    Ok(run.map(|run| Ran {
+    progress: &dyn Progress,
+) -> Result<Ran, Error> {
+    let from = machine(Engine::Event, &rig.params, frequency_hz, start)?.section();
+    let Some(run) = lanes::settled(&rig.params, frequency_hz, from, plan) else {
+        return run_one(rig, Engine::Event, frequency_hz, start, plan, progress);
+    };
+    step(progress, 1)?;
+    Ok(Ran {
         row: RunRow::of_cell(&rig.name, &rig.params, frequency_hz, &run),
         end: Ok(run.section),
-    }))
+    })
 }
 
 fn run_one(
@@ -333,7 +323,8 @@ mod tests {
             let rig = NamedRig::new("wires", params);
             for direction in [Direction::Up, Direction::Down] {
                 let exact = sweep(&rig, Engine::Event, &frequencies, direction, PLAN, &()).unwrap();
-                let drawn = drawn(&rig, &frequencies, direction, PLAN, &()).unwrap();
+                let in_lanes = |hz: &f64, start| drawn(&rig, *hz, start, PLAN, &());
+                let drawn = along(&frequencies, direction, in_lanes).unwrap();
                 for (a, b) in exact
                     .iter()
                     .zip(&drawn)

@@ -11,7 +11,7 @@ use crate::orbit::Orbit;
 use crate::parallel;
 use crate::progress::Progress;
 use crate::row::{NamedRig, RunRow};
-use crate::sweep::{Direction, drawn, jumps, single, spread};
+use crate::sweep::{Direction, along, drawn, jumps, single, spread};
 use crate::uncertainty::Uncertainty;
 
 /// Up and down sweeps that differ by less than this share of force do not jump.
@@ -50,7 +50,8 @@ impl Jumps {
         let (low, high) = range(branch);
         let margin = 0.02 * rig.params.natural_frequency_hz();
         let frequencies = spread(low - margin, high + margin, JUMP_POINTS);
-        let one_way = |direction| drawn(rig, &frequencies, direction, JUMP_PLAN, progress);
+        let run = |hz: &f64, start| drawn(rig, *hz, start, JUMP_PLAN, progress);
+        let one_way = |direction| along(&frequencies, direction, run);
         let (up, down) = rayon::join(|| one_way(Direction::Up), || one_way(Direction::Down));
         let (up, down) = (up?, down?);
         // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
