@@ -52,7 +52,7 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
         .into_iter()
         .max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
     let within = (branch.low.frequency_hz, branch.high.frequency_hz);
-    let force = |hz: f64| branch.at(rig, hz).map(|orbit| (orbit.force_n, orbit));
+    let force = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
     let (_, orbit) = maximise(&branch, within, force)?;
     Some((branch, orbit))
 }
@@ -61,7 +61,7 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
 /// motion.
 pub fn two_bodies(rig: &RigParams, drive: &ShakerDrive, mounting: &Mounting) -> Option<Optimum> {
     let (branch, top) = prescribed(rig)?;
-    let orbit = |hz: f64| branch.at(rig, hz);
+    let orbit = |hz: f64| branch.at(hz);
     around(rig, drive, mounting, top.frequency_hz, orbit)
 }
 
@@ -80,7 +80,7 @@ pub fn two_bodies_at(
     let Some((branch, top)) = prescribed(rig) else {
         return [None, two_bodies(&other, drive, mounting)];
     };
-    let own = |hz: f64| branch.at(rig, hz);
+    let own = |hz: f64| branch.at(hz);
     let first = around(rig, drive, mounting, top.frequency_hz, own);
     let larger = amplitude_m / rig.amplitude_m;
     let near = |hz: f64| {

@@ -1,9 +1,13 @@
 //! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
 
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
+use crate::interpolation::{around, polynomial};
 use crate::lanes;
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
 use crate::parallel;
@@ -36,12 +40,15 @@ pub struct BranchEdge {
 /// A stretch of stable 1/1 orbits.
 #[derive(Clone, Debug)]
 pub struct Branch {
+    params: RigParams,
     /// Orbits along it, by rising frequency, the ends included.
     pub orbits: Vec<Orbit>,
     /// Its lower end.
     pub low: BranchEdge,
     /// Its upper end.
     pub high: BranchEdge,
+    /// Orbits found between, by the bits of their frequency: one search asks for those of another again.
+    between: Arc<Mutex<HashMap<u64, Option<Orbit>>>>,
 }
 
 /// Ends are reported this far inside the branch, as a share of the natural frequency: there the orbit is still what the
@@ -57,9 +64,11 @@ impl Branch {
         down.push(seed);
         down.extend(up);
         Self {
+            params: *params,
             orbits: down,
             low,
             high,
+            between: Arc::default(),
         }
     }
 
@@ -70,33 +79,47 @@ impl Branch {
 
     /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
     /// the branch.
-    pub fn at(&self, params: &RigParams, frequency_hz: f64) -> Option<Orbit> {
+    pub fn at(&self, frequency_hz: f64) -> Option<Orbit> {
         let (first, last) = (self.orbits.first()?, self.orbits.last()?);
         if !(first.frequency_hz..=last.frequency_hz).contains(&frequency_hz) {
             return None;
         }
-        let above = self
-            .orbits
-            .partition_point(|o| o.frequency_hz < frequency_hz);
-        let b = &self.orbits[above.min(self.orbits.len() - 1)];
-        if b.frequency_hz == frequency_hz {
-            return Some(b.clone());
+        let near = around(&self.orbits, frequency_hz, 2, hz_of);
+        if let Some(known) = near.iter().find(|o| o.frequency_hz == frequency_hz) {
+            return Some(known.clone());
         }
-        let a = &self.orbits[above.saturating_sub(1)];
-        shoot_at(params, frequency_hz, between(a, b, frequency_hz), 1)
+        // It is found from the branch's orbits alone, so that it is the same whoever asks first.
+        let known = || self.between.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known().get(&frequency_hz.to_bits()) {
+            return known.clone();
+        }
+        let found = shoot_at(&self.params, frequency_hz, beside(near, frequency_hz), 1);
+        known().insert(frequency_hz.to_bits(), found.clone());
+        found
     }
 }
 
-/// The section point at `frequency_hz` on the line through two orbits.
-fn between(a: &Orbit, b: &Orbit, frequency_hz: f64) -> Section {
-    let span = b.frequency_hz - a.frequency_hz;
-    let s = if span == 0.0 {
-        0.0
-    } else {
-        (frequency_hz - a.frequency_hz) / span
-    };
-    let (a, b) = (a.at(), b.at());
-    [0, 1, 2, 3].map(|i| a[i] + s * (b[i] - a[i]))
+fn hz_of(orbit: &Orbit) -> f64 {
+    orbit.frequency_hz
+}
+
+/// The section point at `frequency_hz` beside a few orbits of rising frequency: on the polynomial through them, but near the
+/// line through the two next to it, since a polynomial swings out where the branch folds.
+pub(crate) fn beside(orbits: &[Orbit], frequency_hz: f64) -> Section {
+    /// How far from the line, as a share of what the orbits span.
+    const NEAR: f64 = 0.25;
+    let known: Vec<_> = orbits.iter().map(|o| (hz_of(o), o.at())).collect();
+    let curve = polynomial(&known, frequency_hz);
+    if known.len() <= 2 {
+        return curve;
+    }
+    let line = polynomial(around(&known, frequency_hz, 1, |k| k.0), frequency_hz);
+    [0, 1, 2, 3].map(|i| {
+        let all = known.iter().map(|(_, at)| at[i]);
+        let span = all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min);
+        let near = NEAR * span;
+        curve[i].max(line[i] - near).min(line[i] + near)
+    })
 }
 
 /// Stable 1/1 orbits from `seed` (not included) up or down (`direction` 1 or −1) in frequency, and how they end.
@@ -137,8 +160,9 @@ fn march_to(
         let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
         let last = orbits.last().unwrap_or(seed);
         let frequency_hz = last.frequency_hz - direction * EDGE_TOLERANCE * unit;
-        let inside = shoot_at(params, frequency_hz, between(before, last, frequency_hz), 1)
-            .filter(Orbit::is_stable_one_one);
+        let known = [before, last].map(|o| (hz_of(o), o.at()));
+        let guess = polynomial(&known, frequency_hz);
+        let inside = shoot_at(params, frequency_hz, guess, 1).filter(Orbit::is_stable_one_one);
         orbits.pop();
         orbits.extend(inside);
     }

@@ -33,6 +33,7 @@ pub mod error;
 pub mod flow;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
+mod interpolation;
 pub mod knob;
 pub mod lanes;
 pub mod limits;

@@ -130,6 +130,12 @@ pub fn maximum(
     }
 }
 
+/// Where the parabola through three points (x, y) turns. No number if they lie on a line.
+pub fn vertex([(a, fa), (b, fb), (c, fc)]: [(f64, f64); 3]) -> f64 {
+    let (left, right) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
+    b - 0.5 * ((b - a) * left - (b - c) * right) / (left - right)
+}
+
 /// Where in `within` the `value` is largest, and what comes with it; `value` is `None` where a place is not allowed. The
 /// rising `nodes` bracket the maximum, [`maximum`] finds it to within `tolerance`; a maximum against the edge of what is
 /// allowed is found as that edge.
@@ -226,6 +232,8 @@ mod tests {
     fn the_top_of_a_parabola_and_the_edge_of_what_is_allowed() {
         let top = maximum(|x| -(x - 0.3).powi(2), (0.0, 1.0), 1e-7, 0.5);
         assert!((top - 0.3).abs() < 1e-6, "{top}");
+        let points = [0.1, 0.25, 0.9].map(|x: f64| (x, -(x - 0.3).powi(2)));
+        assert!((vertex(points) - 0.3).abs() < 1e-12);
         let allowed = |x: f64| if x < 0.2 { x } else { f64::NEG_INFINITY };
         let edge = maximum(allowed, (0.0, 1.0), 1e-9, 0.0);
         assert!((edge - 0.2).abs() < 1e-8, "{edge}");

@@ -73,9 +73,7 @@ mod tests {
                 cart: CartDrive::Loop(held),
                 ..WIRES
             };
-            let orbit = one_one_branches(&params, (1.0, 3.0))[0]
-                .at(&params, 3.67)
-                .unwrap();
+            let orbit = one_one_branches(&params, (1.0, 3.0))[0].at(3.67).unwrap();
             (loop_force_n(&params, &orbit).unwrap(), orbit)
         };
         let cart_n =
@@ -96,9 +94,7 @@ mod tests {
         );
         let (stiff, orbit) = at(1000.0);
         assert!(stiff > 0.5 * orbit.force_n, "{stiff}");
-        let prescribed = one_one_branches(&WIRES, (1.0, 3.0))[0]
-            .at(&WIRES, 3.67)
-            .unwrap();
+        let prescribed = one_one_branches(&WIRES, (1.0, 3.0))[0].at(3.67).unwrap();
         assert_eq!(loop_force_n(&WIRES, &prescribed), None);
     }
 }

@@ -55,7 +55,7 @@ impl PickField<'_> {
     /// stop.
     fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<Orbit> {
         check(self.progress).ok()?;
-        let orbit = self.branch.at(&self.rig.params, hz)?;
+        let orbit = self.branch.at(hz)?;
         if let Some(max) = max_force_n {
             let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
             if spread.strongest_n > max {
@@ -138,7 +138,7 @@ impl PickField<'_> {
             let mut breaker = self.breaks(&spread, &strong, limits);
             if limits.max_force_n.is_some() {
                 for end in [allowed.0, allowed.1] {
-                    let there = self.branch.at(&self.rig.params, end);
+                    let there = self.branch.at(end);
                     let there = there.map(|orbit| self.spread(&orbit)).transpose()?;
                     let found = there.and_then(|spread| self.breaks(&spread, &strong, limits));
                     breaker = breaker.or(found);
@@ -173,7 +173,7 @@ impl PickField<'_> {
 
     /// The smallest force over the uncertainty at `hz`, N. None if a member has no stable 1/1 there.
     pub fn weakest_at(&self, hz: f64) -> Option<f64> {
-        let orbit = self.branch.at(&self.rig.params, hz)?;
+        let orbit = self.branch.at(hz)?;
         spread_of_members(&self.rig.params, self.members, &orbit).map(|spread| spread.weakest_n)
     }
 
@@ -219,7 +219,7 @@ impl PickField<'_> {
             robust
         };
         let strongest = |hz: f64| {
-            let orbit = self.branch.at(&self.rig.params, hz)?;
+            let orbit = self.branch.at(hz)?;
             let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
             Some((-spread.strongest_n, ()))
         };
@@ -228,7 +228,7 @@ impl PickField<'_> {
             strongest(hz).map(|(minus, ())| -minus)
         };
         let held = |hz: f64| {
-            let orbit = self.branch.at(params, hz)?;
+            let orbit = self.branch.at(hz)?;
             Some((-shaker_force(params, &orbit), ()))
         };
         let least_held_n = || {

@@ -6,6 +6,7 @@ use shared::model::params::RigParams;
 use super::range;
 use super::search::{follow_member, own_branch};
 use crate::branch::{Branch, BranchEnd};
+use crate::interpolation::{around, polynomial};
 use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
 use crate::parallel;
 use crate::sweep::spread;
@@ -42,24 +43,10 @@ impl KnownOrbit {
         }
     }
 
-    /// Between some of rising frequency: on the polynomial through them.
-    fn between(orbits: &[Self], frequency_hz: f64) -> Self {
-        let mut sum = Self {
-            frequency_hz,
-            force_n: 0.0,
-            beside: [0.0; 4],
-        };
-        for own in orbits {
-            let others = orbits.iter().map(|o| o.frequency_hz);
-            let others = others.filter(|hz| *hz != own.frequency_hz);
-            let factors = others.map(|hz| (frequency_hz - hz) / (own.frequency_hz - hz));
-            let weight: f64 = factors.product();
-            sum.force_n += weight * own.force_n;
-            for (sum, beside) in sum.beside.iter_mut().zip(own.beside) {
-                *sum += weight * beside;
-            }
-        }
-        sum
+    /// Its force and where it lies.
+    fn numbers(&self) -> [f64; 5] {
+        let [a, b, c, d] = self.beside;
+        [self.force_n, a, b, c, d]
     }
 }
 
@@ -74,12 +61,18 @@ impl From<Member> for Followed {
 impl Followed {
     /// What is known at `frequency_hz`, from the two orbits on either side. None beyond the orbits.
     pub fn known_at(&self, frequency_hz: f64) -> Option<KnownOrbit> {
-        let above = (self.orbits).partition_point(|o| o.frequency_hz < frequency_hz);
-        if above == 0 || above == self.orbits.len() {
+        let (first, last) = (self.orbits.first()?, self.orbits.last()?);
+        if frequency_hz <= first.frequency_hz || frequency_hz > last.frequency_hz {
             return None;
         }
-        let near = above.saturating_sub(2)..(above + 2).min(self.orbits.len());
-        Some(KnownOrbit::between(&self.orbits[near], frequency_hz))
+        let near = around(&self.orbits, frequency_hz, 2, |o| o.frequency_hz).iter();
+        let near: Vec<_> = near.map(|o| (o.frequency_hz, o.numbers())).collect();
+        let [force_n, beside @ ..] = polynomial(&near, frequency_hz);
+        Some(KnownOrbit {
+            frequency_hz,
+            force_n,
+            beside,
+        })
     }
 
     /// Its 1/1 at the frequency of the nominal `orbit`, if that is stable.
@@ -109,7 +102,7 @@ pub(super) fn along(
 ) -> Option<Own> {
     let own = own_branch(params, member, branch, nominal.frequency_hz, limits_hz)?;
     let known = own.orbits.iter().filter_map(|orbit| {
-        let nominal = branch.at(params, orbit.frequency_hz)?;
+        let nominal = branch.at(orbit.frequency_hz)?;
         Some(KnownOrbit::of(orbit, &nominal))
     });
     let mut orbits: Vec<_> = known.collect();
@@ -130,7 +123,7 @@ pub(super) fn nodes(
     let steps = ((high - low) / (SPACING * params.natural_frequency_hz())).ceil();
     let hz = spread(low, high, steps.max(2.0) as usize + 1);
     let inside = &hz[1..hz.len() - 1];
-    let at = |hz: f64| branch.at(params, hz);
+    let at = |hz: f64| branch.at(hz);
     let inside = parallel::map(inside, |hz| at(*hz));
     let mut nodes = vec![at(low)?];
     nodes.extend(inside.into_iter().flatten());
@@ -152,7 +145,7 @@ pub(super) fn across(
     let hz = middle.frequency_hz;
     let start = surely_stable(&rig, hz, middle.at())
         .or_else(|| follow_member(params, member, middle, hz).filter(Orbit::is_stable_one_one))?;
-    let nominal = |hz| branch.at(params, hz);
+    let nominal = |hz| branch.at(hz);
     let (mut orbits, low) = one_way(&rig, (&start, middle), below.iter().rev(), nominal);
     let (up, high) = one_way(&rig, (&start, middle), above.iter(), nominal);
     orbits.reverse();

@@ -183,10 +183,10 @@ fn pick_at_amplitude(
     let (branch, other) = rayon::join(own, || other_cart(rig, limits, progress));
     let branch = branch?;
     check(progress)?;
-    let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
+    let force_at = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
     let (_, nominal) =
         maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
-    let power_at = |hz: f64| branch.at(params, hz).map(|o| (impact_power(&o), o));
+    let power_at = |hz: f64| branch.at(hz).map(|o| (impact_power(&o), o));
     let (_, strongest_power) =
         maximise(&branch, range(&branch), power_at).ok_or_else(|| no_one_one(rig))?;
 
@@ -210,7 +210,7 @@ fn pick_at_amplitude(
     };
     let mut choice = field.choose(robust.hz, limits)?;
     let allowed = |chosen: &Orbit, limits_hz: (f64, f64)| {
-        let band = force_band(params, &branch, chosen);
+        let band = force_band(&branch, chosen);
         (band.0.max(limits_hz.0), band.1.min(limits_hz.1))
     };
     let bent = bending::BendingRequest {
@@ -226,7 +226,7 @@ fn pick_at_amplitude(
     .run(progress)?;
     if let Some(bent) = &bent {
         if bent.chosen_hz != choice.orbit.frequency_hz {
-            let moved = branch.at(params, bent.chosen_hz);
+            let moved = branch.at(bent.chosen_hz);
             choice.orbit = moved.ok_or_else(|| no_one_one(rig))?;
             choice.spread = field.spread(&choice.orbit)?;
         }
@@ -251,7 +251,7 @@ fn pick_at_amplitude(
     // The very orbit chosen, unless uncertainty, shaker or bending modes leave less than the nominal rig could do.
     let own = own.filter(|own| own.force_ratio > chosen.force_ratio * (1.0 + 1e-6));
     let own = own.unwrap_or(chosen);
-    let band = force_band(params, &branch, &choice.orbit);
+    let band = force_band(&branch, &choice.orbit);
     let (low, high) = allowed(&choice.orbit, choice.allowed);
     let worst = |hz: f64| Some(field.weakest_at(hz)? / params.weight_n());
     let safe_band = SafeBand {
@@ -308,10 +308,10 @@ fn range(branch: &Branch) -> (f64, f64) {
 }
 
 /// Where the nominal 1/1 is stable and its force at least [`BAND_SHARE`] of that of `chosen`, Hz.
-fn force_band(params: &RigParams, branch: &Branch, chosen: &Orbit) -> (f64, f64) {
+fn force_band(branch: &Branch, chosen: &Orbit) -> (f64, f64) {
     interval_where(branch, chosen.frequency_hz, range(branch), |hz| {
         branch
-            .at(params, hz)
+            .at(hz)
             .is_some_and(|o| o.is_stable_one_one() && o.force_n >= BAND_SHARE * chosen.force_n)
     })
 }
@@ -323,7 +323,7 @@ fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
     nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
     let weight = params.weight_n();
-    let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));
+    let on_curve = |hz: &f64| branch.at(*hz).map(|o| (*hz, o.force_n / weight));
     let found = parallel::map(&nodes, on_curve);
     found.into_iter().flatten().collect()
 }

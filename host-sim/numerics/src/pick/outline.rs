@@ -40,7 +40,7 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
     let params = &rig.params;
     params.check()?;
     let branch = best_branch(rig)?;
-    let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
+    let force_at = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
     let (_, strongest) =
         maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
     Ok(Outline {
@@ -50,7 +50,7 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
         nominal_optimum_force_ratio: strongest.force_n / params.weight_n(),
         force_n: strongest.force_n,
         band_share: BAND_SHARE,
-        band_hz: force_band(params, &branch, &strongest).into(),
+        band_hz: force_band(&branch, &strongest).into(),
         stable_one_one_hz: range(&branch).into(),
         stable_one_one_ends: [branch.low.end, branch.high.end],
     })

@@ -55,7 +55,7 @@ pub fn own_branch(
         .into_iter()
         .find_map(|hz| {
             let hz = hz.clamp(limits_hz.0, limits_hz.1);
-            let orbit = branch.at(nominal, hz)?;
+            let orbit = branch.at(hz)?;
             follow_member(nominal, member, &orbit, hz).filter(Orbit::is_stable_one_one)
         })?;
     Some(Branch::follow(&rig, seed, limits_hz))
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn the_spread_has_the_forces_of_every_member() {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
-        let orbit = branch.at(&WIRES, 3.0).unwrap();
+        let orbit = branch.at(3.0).unwrap();
         let alone = spread_of_members(&WIRES, &[], &orbit).unwrap();
         assert_eq!(alone, ForceSpread::of(&orbit, None));
         let members = by_amplitude();
@@ -263,7 +263,7 @@ mod tests {
     fn a_member_followed_in_steps_arrives_at_its_own_orbit() {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
         let hz = 0.995 * branch.high.frequency_hz;
-        let nominal = branch.at(&WIRES, hz).unwrap();
+        let nominal = branch.at(hz).unwrap();
         assert!(nominal.is_stable_one_one());
         let slower = &by_natural_frequency(2.0)[0];
         let found = follow_member(&WIRES, slower, &nominal, hz).unwrap();

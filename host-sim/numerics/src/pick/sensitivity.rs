@@ -5,10 +5,11 @@ use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
-use super::search::FREQUENCY_TOLERANCE;
+use crate::branch::beside;
+use crate::interpolation::around;
 use crate::orbit::{Orbit, shoot_at};
 use crate::parallel;
-use crate::root::{halved, maximum};
+use crate::root::{halved, maximum, vertex};
 use crate::uncertainty::Uncertainty;
 
 /// Change of the nominal optimum with one parameter.
@@ -376,24 +377,38 @@ fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
 
 /// The best 1/1 of a slightly different rig, near `best`.
 fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
+    /// How near the search comes to the largest force, as a share of the frequency. The force is flat there, so the parabola
+    /// through the three best comes nearer.
+    const NEAR: f64 = 1e-4;
     let hz = best.frequency_hz;
     let mut known = vec![shoot_at(rig, hz, best.at(), 1).filter(Orbit::is_stable_one_one)?];
-    let mut force = |hz: f64| {
-        let apart = |orbit: &&Orbit| (orbit.frequency_hz - hz).abs();
-        let near = known.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-        let found = shoot_at(rig, hz, near.at(), 1).filter(Orbit::is_stable_one_one)?;
-        known.push(found);
-        known.last().map(|orbit| orbit.force_n)
-    };
-    maximum(
-        |hz| force(hz).unwrap_or(f64::NEG_INFINITY),
-        (0.95 * hz, 1.05 * hz),
-        FREQUENCY_TOLERANCE * hz,
-        hz,
-    );
+    let within = (0.95 * hz, 1.05 * hz);
+    let value = |hz| force_beside(rig, &mut known, hz).unwrap_or(f64::NEG_INFINITY);
+    maximum(value, within, NEAR * hz, hz);
+    let mut points: Vec<_> = known.iter().map(|o| (o.frequency_hz, o.force_n)).collect();
+    points.sort_by(|a, b| b.1.total_cmp(&a.1));
+    if let [first, second, third, ..] = points[..] {
+        let turn = vertex([first, second, third]);
+        if (turn - first.0).abs() < NEAR * hz {
+            force_beside(rig, &mut known, turn);
+        }
+    }
     known
         .into_iter()
         .max_by(|a, b| a.force_n.total_cmp(&b.force_n))
+}
+
+/// The force of the stable 1/1 at `hz`, N, found beside orbits `known`, by rising frequency, of which it is one then.
+fn force_beside(rig: &RigParams, known: &mut Vec<Orbit>, hz: f64) -> Option<f64> {
+    let above = known.partition_point(|o| o.frequency_hz < hz);
+    if let Some(known) = known.get(above).filter(|o| o.frequency_hz == hz) {
+        return Some(known.force_n);
+    }
+    let near = around(known, hz, 2, |o| o.frequency_hz);
+    let found = shoot_at(rig, hz, beside(near, hz), 1).filter(Orbit::is_stable_one_one)?;
+    let force_n = found.force_n;
+    known.insert(above, found);
+    Some(force_n)
 }
 
 #[cfg(test)]

@@ -257,7 +257,7 @@ fn every_corner_has_a_stable_one_one_at_the_frequency_recommended() {
         let rig = NamedRig::new(name, params);
         let found = pick(&rig, Some(uncertainty), PickLimits::default(), &()).unwrap();
         let hz = found.answer.operating_frequency_hz;
-        let orbit = best_branch(&rig).unwrap().at(&params, hz).unwrap();
+        let orbit = best_branch(&rig).unwrap().at(hz).unwrap();
         let lost = whole.iter().filter(|corner| {
             let own = follow_member(&params, corner, &orbit, hz);
             !own.as_ref().is_some_and(Orbit::is_stable_one_one)

@@ -59,7 +59,7 @@ fn one_mode_of_the_hammer_s_mass_is_the_reference_with_a_recoiling_cart() {
         };
         let hz = ratio * natural_frequency_hz;
         let branch = &one_one_branches(&params, (1.0, 3.0))[0];
-        let known = branch.at(&params, hz).unwrap();
+        let known = branch.at(hz).unwrap();
         let open = RigParams {
             gap_m: gap_m.max(0.0),
             ..params

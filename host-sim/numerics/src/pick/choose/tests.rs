@@ -45,7 +45,7 @@ impl Made {
     }
 
     fn force_at(&self, hz: f64) -> f64 {
-        self.branch.at(&WIRES, hz).unwrap().force_n
+        self.branch.at(hz).unwrap().force_n
     }
 
     /// The strongest orbit without uncertainty and limits, and a force limit that both flanks of the curve reach.
@@ -114,7 +114,7 @@ fn a_force_is_within_the_limit_if_that_of_every_member_is() {
     assert!(within(&alone, Some(force_n)));
     assert!(!within(&alone, Some(force_n * (1.0 - 1e-9))));
     let made = Made::new(0.0, 5.0);
-    let orbit = made.branch.at(&WIRES, 3.0).unwrap();
+    let orbit = made.branch.at(3.0).unwrap();
     let strongest = made.field().spread(&orbit).unwrap().strongest_n;
     assert!(strongest > 1.01 * force_n);
     assert!(within(&made, Some(strongest)));
@@ -200,7 +200,7 @@ fn a_force_limit_holds_for_every_member_at_the_choice_and_where_it_is_allowed() 
     assert!(strongest <= limit && near(strongest, limit), "{strongest}");
     assert!(choice.orbit.force_n < 0.99 * limit);
     for hz in [choice.allowed.0, choice.allowed.1] {
-        let orbit = made.branch.at(&WIRES, hz).unwrap();
+        let orbit = made.branch.at(hz).unwrap();
         let there = made.field().spread(&orbit).unwrap().strongest_n;
         assert!(there <= limit * (1.0 + 1e-9), "{hz} Hz: {there}");
     }
