@@ -9,7 +9,7 @@ use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
 use crate::interpolation::{around, polynomial};
 use crate::lanes;
-use crate::orbit::{Orbit, Section, shoot, shoot_at};
+use crate::orbit::{Exactness, Orbit, Section, shoot, shoot_at, shoot_to};
 use crate::parallel;
 
 /// How a stable 1/1 ends.
@@ -80,6 +80,22 @@ impl Branch {
     /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
     /// the branch.
     pub fn at(&self, frequency_hz: f64) -> Option<Orbit> {
+        // It is found from the branch's orbits alone, so that it is the same whoever asks first.
+        let known = || self.between.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known().get(&frequency_hz.to_bits()) {
+            return known.clone();
+        }
+        let found = self.to(Exactness::FULL, frequency_hz);
+        known().insert(frequency_hz.to_bits(), found.clone());
+        found
+    }
+
+    /// The contact force of the 1/1 at `frequency_hz`, N, to some 1e-7. `None` outside the branch.
+    pub fn force_n_at(&self, frequency_hz: f64) -> Option<f64> {
+        Some(self.to(Exactness::OF_MANY, frequency_hz)?.force_n)
+    }
+
+    fn to(&self, exactness: Exactness, frequency_hz: f64) -> Option<Orbit> {
         let (first, last) = (self.orbits.first()?, self.orbits.last()?);
         if !(first.frequency_hz..=last.frequency_hz).contains(&frequency_hz) {
             return None;
@@ -88,14 +104,8 @@ impl Branch {
         if let Some(known) = near.iter().find(|o| o.frequency_hz == frequency_hz) {
             return Some(known.clone());
         }
-        // It is found from the branch's orbits alone, so that it is the same whoever asks first.
-        let known = || self.between.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = known().get(&frequency_hz.to_bits()) {
-            return known.clone();
-        }
-        let found = shoot_at(&self.params, frequency_hz, beside(near, frequency_hz), 1);
-        known().insert(frequency_hz.to_bits(), found.clone());
-        found
+        let guess = beside(near, frequency_hz);
+        shoot_to(exactness, &self.params, frequency_hz, guess, 1)
     }
 }
 

@@ -166,13 +166,13 @@ impl Exactness {
     };
     /// Its force to some 1e-7, for one rig of many.
     pub(crate) const OF_MANY: Self = Self {
-        tolerance: 1e-9,
+        tolerance: 1e-8,
         closure: 1e-7,
         near: false,
     };
     /// To what a picture shows.
     pub(crate) const DRAWN: Self = Self {
-        tolerance: 1e-9,
+        tolerance: 1e-7,
         closure: 1e-4,
         near: true,
     };

@@ -323,7 +323,7 @@ fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
     nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
     let weight = params.weight_n();
-    let on_curve = |hz: &f64| branch.at(*hz).map(|o| (*hz, o.force_n / weight));
+    let on_curve = |hz: &f64| Some((*hz, branch.force_n_at(*hz)? / weight));
     let found = parallel::map(&nodes, on_curve);
     found.into_iter().flatten().collect()
 }
