@@ -84,6 +84,18 @@ impl Square {
         sum
     }
 
+    /// The terms of the same series in h: e^(A h) x for many h.
+    pub fn series(&self, x: &[f64]) -> Series {
+        let mut terms = vec![x.to_vec()];
+        for k in 1..=TERMS {
+            let mut next = vec![0.0; self.size];
+            self.apply(&terms[k - 1], &mut next);
+            next.iter_mut().for_each(|x| *x /= k as f64);
+            terms.push(next);
+        }
+        Series(terms)
+    }
+
     /// The block of the first `size` rows and columns.
     pub fn block(&self, size: usize) -> Self {
         let mut block = Self::zero(size);
@@ -143,6 +155,35 @@ impl Square {
     }
 }
 
+/// e^(A h) x as a power series in h.
+#[derive(Clone, Debug)]
+pub struct Series(Vec<Vec<f64>>);
+
+impl Series {
+    /// The sum of the products with `weights`.
+    pub fn seen(&self, weights: &[f64]) -> Polynomial {
+        let terms = self.0.iter();
+        Polynomial(terms.map(|term| dot(term, weights)).collect())
+    }
+}
+
+/// A polynomial, by rising powers.
+#[derive(Clone, Debug)]
+pub struct Polynomial(Vec<f64>);
+
+impl Polynomial {
+    /// At `h`.
+    pub fn at(&self, h: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, c| sum * h + c)
+    }
+
+    /// Its slope there.
+    pub fn slope(&self, h: f64) -> f64 {
+        let terms = self.0.iter().enumerate().skip(1).rev();
+        terms.fold(0.0, |sum, (k, c)| sum * h + k as f64 * c)
+    }
+}
+
 /// Terms of the series: with ‖A‖ h = 1 the first one left out is 1e-21.
 const TERMS: usize = 20;
 
@@ -188,6 +229,11 @@ mod tests {
         for (a, b) in by_matrix.iter().zip(by_series) {
             assert!((a - b).abs() < 1e-14);
         }
+        let seen = turning().series(&x).seen(&[1.0, 2.0, 3.0]);
+        assert!((seen.at(2.0) - dot(&by_matrix, &[1.0, 2.0, 3.0])).abs() < 1e-13);
+        let mut rates = [0.0; 3];
+        turning().apply(&by_matrix, &mut rates);
+        assert!((seen.slope(2.0) - dot(&rates, &[1.0, 2.0, 3.0])).abs() < 1e-13);
     }
 
     #[test]

@@ -60,8 +60,10 @@ impl LinearMotion {
             }
             let switch = self.switch_within(touching, &z, &next, h);
             if touching && let Some(seen) = seen.as_deref_mut() {
-                let until = switch.unwrap_or(h);
-                let top = self.largest_force(&z, until);
+                let top = match switch {
+                    Some(t) => self.largest_force(&z, &phase.a.exponential_of(t, &z), t),
+                    None => self.largest_force(&z, &next, h),
+                };
                 if top > seen.force {
                     (seen.force, seen.approach) = (top, approach);
                 }
@@ -111,66 +113,49 @@ impl LinearMotion {
     /// When the hammer switches within a step of length `h` that begins at `z` and ends at `end`, as time since `z`: the
     /// first instant at which it is seen to push (or no more to).
     fn switch_within(&self, touching: bool, z: &[f64], end: &[f64], h: f64) -> Option<f64> {
-        let phase = self.phase(touching);
+        let a = &self.phase(touching).a;
         let switched = |z: &[f64]| self.pushes(z) != touching;
-        let mut high = if switched(end) {
-            h
-        } else {
-            // A short contact, or a short hop, inside the step: at the extreme of what is watched.
-            let watched = if !touching && dot(&self.delta, z).min(dot(&self.delta, end)) < 0.0 {
-                &self.delta
-            } else {
-                &self.force
-            };
-            let slope = |z: &[f64]| {
-                let mut rate = vec![0.0; z.len()];
-                phase.a.apply(z, &mut rate);
-                dot(watched, &rate)
-            };
-            let turns = if touching {
-                slope(z) < 0.0 && slope(end) > 0.0
-            } else {
-                slope(z) > 0.0 && slope(end) < 0.0
-            };
-            if !turns {
-                return None;
-            }
-            let (_, inside) = halved((0.0, h), 30, |t| {
-                let there = slope(&phase.a.exponential_of(t, z));
-                if touching { there > 0.0 } else { there < 0.0 }
+        // A short contact, or a short hop, inside the step: at the extreme of what is watched.
+        let inside_only = !switched(end);
+        let by_delta = !touching && dot(&self.delta, z).min(dot(&self.delta, end)) < 0.0;
+        let watched = if by_delta { &self.delta } else { &self.force };
+        if inside_only && !turns(a, watched, [z, end], touching) {
+            return None;
+        }
+        let series = a.series(z);
+        let (delta, force) = (series.seen(&self.delta), series.seen(&self.force));
+        let switched_at = |t: f64| (delta.at(t) > 0.0 && force.at(t) > 0.0) != touching;
+        let mut high = h;
+        if inside_only {
+            let watched = if by_delta { &delta } else { &force };
+            (_, high) = halved((0.0, h), 30, |t| {
+                if touching {
+                    watched.slope(t) > 0.0
+                } else {
+                    watched.slope(t) < 0.0
+                }
             });
-            if !switched(&phase.a.exponential_of(inside, z)) {
+            if !switched_at(high) {
                 return None;
-            }
-            inside
-        };
-        // Just after a switch the state is on the border and may round to either side.
-        if switched(z) {
-            high = high.min(h);
-            let early = phase.a.exponential_of(1e-6 * h, z);
-            if switched(&early) {
-                return Some(1e-6 * h);
             }
         }
-        let switched_at = |t| switched(&phase.a.exponential_of(t, z));
+        // Just after a switch the state is on the border and may round to either side.
+        if switched(z) && switched_at(1e-6 * h) {
+            return Some(1e-6 * h);
+        }
         Some(halved((0.0, high), HALVINGS, switched_at).1)
     }
 
-    /// The largest force within `h` from `z` on, in contact.
-    fn largest_force(&self, z: &[f64], h: f64) -> f64 {
+    /// The largest force within `h` from `z` on, in contact, where it is at `end`.
+    fn largest_force(&self, z: &[f64], end: &[f64], h: f64) -> f64 {
         let a = &self.pressing.a;
-        let slope = |z: &[f64]| {
-            let mut rate = vec![0.0; z.len()];
-            a.apply(z, &mut rate);
-            dot(&self.force, &rate)
-        };
-        let end = a.exponential_of(h, z);
-        let ends = dot(&self.force, z).max(dot(&self.force, &end));
-        if slope(z) > 0.0 && slope(&end) < 0.0 {
-            let (_, top) = halved((0.0, h), 30, |t| slope(&a.exponential_of(t, z)) < 0.0);
-            return ends.max(dot(&self.force, &a.exponential_of(top, z)));
+        let ends = dot(&self.force, z).max(dot(&self.force, end));
+        if !turns(a, &self.force, [z, end], false) {
+            return ends;
         }
-        ends
+        let force = a.series(z).seen(&self.force);
+        let (_, top) = halved((0.0, h), 30, |t| force.slope(t) < 0.0);
+        ends.max(force.at(top))
     }
 
     /// What the switch out of `touching` at `z` makes of a small deviation. `None` where it grazes.
@@ -213,5 +198,20 @@ impl LinearMotion {
             at = self.run(&at, None)?;
         }
         Some(at)
+    }
+}
+
+/// Whether what is `watched` rises at the first of two states and falls at the second, or the other way where a least value
+/// is sought.
+fn turns(a: &Square, watched: &[f64], states: [&[f64]; 2], least: bool) -> bool {
+    let [first, second] = states.map(|z| {
+        let mut rate = vec![0.0; z.len()];
+        a.apply(z, &mut rate);
+        dot(watched, &rate)
+    });
+    if least {
+        first < 0.0 && second > 0.0
+    } else {
+        first > 0.0 && second < 0.0
     }
 }
