@@ -65,7 +65,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
     let mut totals = F::Totals::default();
     for stage in 0..STAGES {
         let numbers = flow.moved::<M>(&start, h, &rates, A[stage]);
-        let at = flow.after(from, h * F::Number::from_f64(C[stage]), numbers);
+        let at = flow.after(from, h.scaled(C[stage]), numbers);
         flow.rates(&at, &mut rates[stage], WEIGHTS[stage] * span, &mut totals);
     }
     let estimate = |weights: &[(usize, f64)]| {
@@ -98,9 +98,8 @@ pub fn moved<R: Scalar, const N: usize, const M: usize>(
     for j in (0..M).step_by(2) {
         let (mut first, mut second) = (R::ZERO, R::ZERO);
         for &(i, weight) in weights {
-            let weight = R::from_f64(weight);
-            first += rates[i][j] * weight;
-            second += rates[i][j + 1] * weight;
+            first += rates[i][j].scaled(weight);
+            second += rates[i][j + 1].scaled(weight);
         }
         end[j] = from[j] + h * first;
         end[j + 1] = from[j + 1] + h * second;

@@ -12,6 +12,10 @@ pub trait Scalar: Real {
     /// eˣ.
     fn exp(self) -> Self;
 
+    /// `factor` times this: what a product with a constant is, without the products of derivatives that are 0.
+    #[must_use]
+    fn scaled(self, factor: f64) -> Self;
+
     /// A time found as the root of `g`, given dg/dt there: for a dual number, the root's derivatives.
     #[must_use]
     fn as_root_of(self, g: Self, slope: f64) -> Self;
@@ -25,6 +29,10 @@ impl Scalar for f64 {
     #[inline]
     fn exp(self) -> Self {
         self.exp()
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        self * factor
     }
     #[inline]
     fn as_root_of(self, _: Self, _: f64) -> Self {
@@ -42,6 +50,10 @@ impl<const N: usize> Scalar for Dual<N> {
     fn exp(self) -> Self {
         let exp = self.re.exp();
         self.chain(exp, exp)
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        self.chain(self.re * factor, factor)
     }
     fn as_root_of(self, g: Self, slope: f64) -> Self {
         // g(t, x) = 0 along the family: dt/dx = −(∂g/∂x)/(dg/dt).

@@ -127,7 +127,7 @@ impl<'a, R: Scalar> HammerFlow<'a, R> {
     /// A0 Ω² sin Ωt at time `t` after phase 0, m/s².
     #[inline]
     pub fn drive(&self, t: R) -> R {
-        (t * R::from_f64(self.omega)).sin() * R::from_f64(self.drive_acceleration)
+        t.scaled(self.omega).sin().scaled(self.drive_acceleration)
     }
 
     /// The contact force that acts, N.
