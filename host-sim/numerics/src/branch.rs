@@ -1,13 +1,10 @@
 //! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
-
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
-use crate::interpolation::{around, polynomial};
+use crate::interpolation::{FoundOnce, around, polynomial};
 use crate::lanes;
 use crate::orbit::{Exactness, Orbit, Section, shoot, shoot_at, shoot_to};
 use crate::parallel;
@@ -47,8 +44,8 @@ pub struct Branch {
     pub low: BranchEdge,
     /// Its upper end.
     pub high: BranchEdge,
-    /// Orbits found between, by the bits of their frequency: one search asks for those of another again.
-    between: Arc<Mutex<HashMap<u64, Option<Orbit>>>>,
+    /// Orbits found between.
+    between: FoundOnce<Orbit>,
 }
 
 /// Ends are reported this far inside the branch, as a share of the natural frequency: there the orbit is still what the
@@ -68,7 +65,7 @@ impl Branch {
             orbits: down,
             low,
             high,
-            between: Arc::default(),
+            between: FoundOnce::default(),
         }
     }
 
@@ -80,14 +77,9 @@ impl Branch {
     /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
     /// the branch.
     pub fn at(&self, frequency_hz: f64) -> Option<Orbit> {
-        // It is found from the branch's orbits alone, so that it is the same whoever asks first.
-        let known = || self.between.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = known().get(&frequency_hz.to_bits()) {
-            return known.clone();
-        }
-        let found = self.to(Exactness::FULL, frequency_hz);
-        known().insert(frequency_hz.to_bits(), found.clone());
-        found
+        // From the branch's orbits alone, so that it is the same whoever asks first.
+        let find = || self.to(Exactness::FULL, frequency_hz);
+        self.between.at(frequency_hz, find)
     }
 
     /// The contact force of the 1/1 at `frequency_hz`, N, to some 1e-7. `None` outside the branch.
@@ -104,7 +96,8 @@ impl Branch {
         if let Some(known) = near.iter().find(|o| o.frequency_hz == frequency_hz) {
             return Some(known.clone());
         }
-        let guess = beside(near, frequency_hz);
+        let near: Vec<_> = near.iter().map(place).collect();
+        let guess = beside(&near, frequency_hz);
         shoot_to(exactness, &self.params, frequency_hz, guess, 1)
     }
 }
@@ -113,19 +106,23 @@ fn hz_of(orbit: &Orbit) -> f64 {
     orbit.frequency_hz
 }
 
-/// The section point at `frequency_hz` beside a few orbits of rising frequency: on the polynomial through them, but near the
-/// line through the two next to it, since a polynomial swings out where the branch folds.
-pub(crate) fn beside(orbits: &[Orbit], frequency_hz: f64) -> Section {
+/// The frequency and section point of an orbit.
+pub(crate) fn place(orbit: &Orbit) -> (f64, Section) {
+    (orbit.frequency_hz, orbit.at())
+}
+
+/// The section point at `frequency_hz` beside a few orbits at the `places`, by rising frequency: on the polynomial through them,
+/// but near the line through the two next to it, since a polynomial swings out where the branch folds.
+pub(crate) fn beside(places: &[(f64, Section)], frequency_hz: f64) -> Section {
     /// How far from the line, as a share of what the orbits span.
     const NEAR: f64 = 0.25;
-    let known: Vec<_> = orbits.iter().map(|o| (hz_of(o), o.at())).collect();
-    let curve = polynomial(&known, frequency_hz);
-    if known.len() <= 2 {
+    let curve = polynomial(places, frequency_hz);
+    if places.len() <= 2 {
         return curve;
     }
-    let line = polynomial(around(&known, frequency_hz, 1, |k| k.0), frequency_hz);
+    let line = polynomial(around(places, frequency_hz, 1, |k| k.0), frequency_hz);
     [0, 1, 2, 3].map(|i| {
-        let all = known.iter().map(|(_, at)| at[i]);
+        let all = places.iter().map(|(_, at)| at[i]);
         let span = all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min);
         let near = NEAR * span;
         curve[i].max(line[i] - near).min(line[i] + near)
@@ -170,8 +167,7 @@ fn march_to(
         let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
         let last = orbits.last().unwrap_or(seed);
         let frequency_hz = last.frequency_hz - direction * EDGE_TOLERANCE * unit;
-        let known = [before, last].map(|o| (hz_of(o), o.at()));
-        let guess = polynomial(&known, frequency_hz);
+        let guess = polynomial(&[before, last].map(place), frequency_hz);
         let inside = shoot_at(params, frequency_hz, guess, 1).filter(Orbit::is_stable_one_one);
         orbits.pop();
         orbits.extend(inside);

@@ -7,7 +7,8 @@ use shared::model::slider::Slider;
 use super::super::orbit::{DrillOrbit, shoot};
 use super::super::run::{observe, settle};
 use super::observe::on;
-use crate::branch::{BranchEdge, BranchEnd};
+use crate::branch::{BranchEdge, BranchEnd, beside};
+use crate::interpolation::{FoundOnce, around, polynomial};
 use crate::orbit::Section;
 use crate::root::{largest, stretch};
 
@@ -37,8 +38,8 @@ pub struct DrillCase {
 
 impl DrillCase {
     /// The 1/1 near `guess` at `hz`, if it is stable.
-    pub fn one_one(&self, hz: f64, guess: &DrillOrbit) -> Option<DrillOrbit> {
-        let found = self.orbit(hz, guess.section)?;
+    pub fn one_one(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
+        let found = self.orbit(hz, guess)?;
         found.is_stable_one_one().then_some(found)
     }
 
@@ -46,6 +47,10 @@ impl DrillCase {
     pub fn orbit(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
         shoot(&self.params, &self.ground, self.bit.as_ref(), hz, guess)
     }
+}
+
+fn place(orbit: &DrillOrbit) -> (f64, Section) {
+    (orbit.frequency_hz, orbit.section)
 }
 
 /// A stretch of stable 1/1 orbits, by rising frequency.
@@ -58,6 +63,8 @@ pub struct GroundBranch {
     pub low: BranchEdge,
     /// Its upper end.
     pub high: BranchEdge,
+    /// Orbits found between.
+    between: FoundOnce<DrillOrbit>,
 }
 
 impl GroundBranch {
@@ -73,6 +80,7 @@ impl GroundBranch {
             orbits,
             low,
             high,
+            between: FoundOnce::default(),
         }
     }
 
@@ -83,13 +91,13 @@ impl GroundBranch {
 
     /// The orbit at `hz`.
     pub fn at(&self, hz: f64) -> Option<DrillOrbit> {
-        let apart = |o: &&DrillOrbit| (o.frequency_hz - hz).abs();
-        let near = self.orbits.iter();
-        let near = near.min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-        if near.frequency_hz == hz {
-            return Some(*near);
+        let near = around(&self.orbits, hz, 2, |o| o.frequency_hz);
+        if let Some(known) = near.iter().find(|o| o.frequency_hz == hz) {
+            return Some(*known);
         }
-        self.case.one_one(hz, near)
+        let near: Vec<_> = near.iter().map(place).collect();
+        let find = || self.case.one_one(hz, beside(&near, hz));
+        self.between.at(hz, find)
     }
 
     /// The orbit in `range_hz` with the largest `value`, which is None where it is not allowed.
@@ -151,7 +159,8 @@ fn follow(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>
         } else {
             last.frequency_hz + ahead * step
         };
-        match case.one_one(hz, &last) {
+        let before: Vec<_> = orbits.iter().rev().take(3).map(place).collect();
+        match case.one_one(hz, polynomial(&before, hz)) {
             Some(next) => {
                 orbits.push(next);
                 last = next;

@@ -111,7 +111,7 @@ impl Crowd<'_> {
     /// The stable 1/1 of `member` at the frequency of the nominal `orbit`, followed from it while the deviations grow.
     fn follow(&self, member: &Member, orbit: &DrillOrbit) -> Option<DrillOrbit> {
         let hz = orbit.frequency_hz;
-        if let Some(found) = apply(self.case, member, 1.0).one_one(hz, orbit) {
+        if let Some(found) = apply(self.case, member, 1.0).one_one(hz, orbit.section) {
             return Some(found);
         }
         let mut found = *orbit;
