@@ -139,17 +139,22 @@ impl Crowd<'_> {
         )
     }
 
-    /// The frequencies about `from_hz` at which every member has a stable 1/1; the first `corners` members are those whose
-    /// ranges are likely the shortest. None where a member has no stable 1/1 at any of a few frequencies near `from_hz`.
-    pub fn common_range(&self, from_hz: f64, corners: usize) -> Option<(f64, f64)> {
+    /// The frequencies about `from_hz` at which every member has a stable 1/1. None where a member has no stable 1/1 at any of a
+    /// few frequencies near `from_hz`.
+    ///
+    /// Each block of members is tried within what the blocks before it have left: few bound the range, mostly corners, which
+    /// come first.
+    pub fn common_range(&self, from_hz: f64) -> Option<(f64, f64)> {
+        const BLOCK: usize = 16;
         let (low, high) = self.branch.range();
         let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
         let all =
             |hz: f64| parallel::map_all(self.members, |m| self.has(m, hz).then_some(())).is_some();
         let seed = seeds.into_iter().find(|hz| all(*hz))?;
-        let (corners, inside) = self.members.split_at(corners.min(self.members.len()));
-        let by_corners = self.shared(corners, seed, (low, high));
-        Some(self.shared(inside, seed, by_corners))
+        let blocks = self.members.chunks(BLOCK);
+        Some(blocks.fold((low, high), |range, members| {
+            self.shared(members, seed, range)
+        }))
     }
 
     /// The part of `range` about `seed` that every one of `members` has.

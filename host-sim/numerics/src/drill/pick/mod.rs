@@ -156,7 +156,7 @@ fn pick_at_amplitude(
     let corners = uncertainty.map_or(0, |u| {
         with_ground(u, request.ground_uncertainty).corners().len()
     });
-    let robust = crowd.common_range(nominal.frequency_hz, corners);
+    let robust = crowd.common_range(nominal.frequency_hz);
     let robust = robust.ok_or_else(|| {
         rig.no_pick(PickError::NoneRobust {
             share: robust_share(crowd, nominal.frequency_hz, corners),
@@ -308,7 +308,7 @@ fn pick_at_amplitude(
 fn robust_share(crowd: Crowd, from_hz: f64, corners: usize) -> Option<f64> {
     largest_share(&crowd.members[..corners], |members| {
         let crowd = Crowd { members, ..crowd };
-        crowd.common_range(from_hz, corners).is_some()
+        crowd.common_range(from_hz).is_some()
     })
 }
 
