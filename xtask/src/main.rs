@@ -43,6 +43,7 @@ mod python;
 mod qemu;
 mod site;
 mod size;
+mod speed;
 mod ticks;
 mod timing;
 mod tools;
@@ -90,6 +91,8 @@ cargo xtask COMMAND
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
   first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
                               ten dearest crates
+  speed                       processor time of pick, map, trials and others as multiples of one reference run's, against
+                              bounds; added to target/speed.csv, too
   golden [--write]            ask a fixed list of requests and compare every table and JSON with the check sums in
                               xtask/golden.txt: for a change that is to change no answer; --write writes them anew
   msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
@@ -118,6 +121,7 @@ enum Job {
     Size,
     FirstAnswer(first_answer::FirstAnswerPlan),
     /// Whether the check sums are written anew.
+    Speed,
     Golden(bool),
     Msrv,
     OldestRust,
@@ -151,6 +155,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["first-answer", options @ ..] => {
             first_answer::FirstAnswerPlan::parse(options).map(Job::FirstAnswer)
         }
+        ["speed"] => Ok(Job::Speed),
         ["golden"] => Ok(Job::Golden(false)),
         ["golden", "--write"] => Ok(Job::Golden(true)),
         ["msrv"] => Ok(Job::Msrv),
@@ -200,6 +205,7 @@ fn run(job: Job) -> JobResult {
             web::lab(&words)?;
         }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
+        Job::Speed => speed::run()?,
         Job::Golden(write) => golden::run(write)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
@@ -256,6 +262,7 @@ mod tests {
             "bench-ticks",
             "size",
             "first-answer",
+            "speed",
             "golden",
             "msrv",
             "flash",
