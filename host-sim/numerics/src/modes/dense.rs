@@ -42,6 +42,15 @@ impl Square {
         }
     }
 
+    /// The row `x` times this matrix.
+    pub fn after(&self, x: &[f64]) -> Vec<f64> {
+        let mut row = vec![0.0; self.size];
+        for (factor, own) in x.iter().zip(self.at.chunks_exact(self.size)) {
+            row.iter_mut().zip(own).for_each(|(r, a)| *r += factor * a);
+        }
+        row
+    }
+
     /// This matrix times `other`.
     pub fn times(&self, other: &Self) -> Self {
         let mut product = Self::zero(self.size);
@@ -234,6 +243,8 @@ mod tests {
         let mut rates = [0.0; 3];
         turning().apply(&by_matrix, &mut rates);
         assert!((seen.slope(2.0) - dot(&rates, &[1.0, 2.0, 3.0])).abs() < 1e-13);
+        let row = turning().after(&[1.0, 2.0, 3.0]);
+        assert!((seen.slope(2.0) - dot(&row, &by_matrix)).abs() < 1e-13);
     }
 
     #[test]

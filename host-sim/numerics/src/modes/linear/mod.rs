@@ -70,18 +70,38 @@ pub struct LinearMotion {
 #[derive(Clone, Debug)]
 struct Phase {
     a: Square,
+    /// e^(A h/2).
+    half: Square,
     /// e^(A h), e^(2 A h), e^(4 A h) ...
     ladder: Vec<Square>,
+    /// The rates of penetration and of the law's force, as rows on the state.
+    slopes: Slopes,
+}
+
+#[derive(Clone, Debug)]
+struct Slopes {
+    delta: Vec<f64>,
+    force: Vec<f64>,
 }
 
 impl Phase {
-    fn new(a: Square, step: f64) -> Self {
+    fn new(a: Square, step: f64, delta: &[f64], force: &[f64]) -> Self {
         let mut ladder = vec![a.exponential(step)];
         while step * 2.0_f64.powi(ladder.len() as i32) < TAU {
             let last = &ladder[ladder.len() - 1];
             ladder.push(last.times(last));
         }
-        Self { a, ladder }
+        let half = a.exponential(0.5 * step);
+        let slopes = Slopes {
+            delta: a.after(delta),
+            force: a.after(force),
+        };
+        Self {
+            a,
+            half,
+            ladder,
+            slopes,
+        }
     }
 
     /// e^(A t).
@@ -157,14 +177,16 @@ impl LinearMotion {
             .sqrt()
             .max(damping * inverse_mass);
         let step = TURN_PER_STEP * omega / highest.max(in_contact);
-        let phase = |force: &[f64]| Phase::new(field(rig, held, omega, force), step);
+        let phase =
+            |acting: &[f64]| Phase::new(field(rig, held, omega, acting), step, &delta, &force);
+        let (free, pressing) = (phase(&vec![0.0; size]), phase(&force));
         Ok(Self {
             modes: n,
             recoils: held.is_some(),
             frequency_hz,
             units: (rig.amplitude_m * omega * omega, rig.amplitude_m * omega),
-            free: phase(&vec![0.0; size]),
-            pressing: phase(&force),
+            free,
+            pressing,
             delta,
             rate,
             force,

@@ -70,11 +70,20 @@ impl LinearMotion {
             }
             if let Some(path) = seen.as_deref_mut().and_then(|seen| seen.path.as_mut()) {
                 let length = switch.unwrap_or(h);
-                let at = |t: f64| phase.a.exponential_of(t, &z);
+                let end = match switch {
+                    Some(t) => phase.a.exponential_of(t, &z),
+                    None => next.clone(),
+                };
+                let mut middle = z.clone();
+                if last || switch.is_some() {
+                    middle = phase.a.exponential_of(0.5 * length, &z);
+                } else {
+                    phase.half.apply(&z, &mut middle);
+                }
                 path.push(LinearLeg {
                     touching,
                     length,
-                    states: [z.clone(), at(0.5 * length), at(length)],
+                    states: [z.clone(), middle, end],
                 });
             }
             let Some(t) = switch else {
@@ -113,16 +122,21 @@ impl LinearMotion {
     /// When the hammer switches within a step of length `h` that begins at `z` and ends at `end`, as time since `z`: the
     /// first instant at which it is seen to push (or no more to).
     fn switch_within(&self, touching: bool, z: &[f64], end: &[f64], h: f64) -> Option<f64> {
-        let a = &self.phase(touching).a;
         let switched = |z: &[f64]| self.pushes(z) != touching;
         // A short contact, or a short hop, inside the step: at the extreme of what is watched.
         let inside_only = !switched(end);
         let by_delta = !touching && dot(&self.delta, z).min(dot(&self.delta, end)) < 0.0;
-        let watched = if by_delta { &self.delta } else { &self.force };
-        if inside_only && !turns(a, watched, [z, end], touching) {
+        let phase = self.phase(touching);
+        let slopes = &phase.slopes;
+        let slope = if by_delta {
+            &slopes.delta
+        } else {
+            &slopes.force
+        };
+        if inside_only && !turns(slope, [z, end], touching) {
             return None;
         }
-        let series = a.series(z);
+        let series = phase.a.series(z);
         let (delta, force) = (series.seen(&self.delta), series.seen(&self.force));
         let switched_at = |t: f64| (delta.at(t) > 0.0 && force.at(t) > 0.0) != touching;
         let mut high = h;
@@ -148,12 +162,11 @@ impl LinearMotion {
 
     /// The largest force within `h` from `z` on, in contact, where it is at `end`.
     fn largest_force(&self, z: &[f64], end: &[f64], h: f64) -> f64 {
-        let a = &self.pressing.a;
         let ends = dot(&self.force, z).max(dot(&self.force, end));
-        if !turns(a, &self.force, [z, end], false) {
+        if !turns(&self.pressing.slopes.force, [z, end], false) {
             return ends;
         }
-        let force = a.series(z).seen(&self.force);
+        let force = self.pressing.a.series(z).seen(&self.force);
         let (_, top) = halved((0.0, h), 30, |t| force.slope(t) < 0.0);
         ends.max(force.at(top))
     }
@@ -201,14 +214,10 @@ impl LinearMotion {
     }
 }
 
-/// Whether what is `watched` rises at the first of two states and falls at the second, or the other way where a least value
-/// is sought.
-fn turns(a: &Square, watched: &[f64], states: [&[f64]; 2], least: bool) -> bool {
-    let [first, second] = states.map(|z| {
-        let mut rate = vec![0.0; z.len()];
-        a.apply(z, &mut rate);
-        dot(watched, &rate)
-    });
+/// Whether what has this `slope` rises at the first of two states and falls at the second, or the other way where a least
+/// value is sought.
+fn turns(slope: &[f64], states: [&[f64]; 2], least: bool) -> bool {
+    let [first, second] = states.map(|z| dot(slope, z));
     if least {
         first < 0.0 && second > 0.0
     } else {
