@@ -1,5 +1,5 @@
-//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the other (the firmware, then the page and
-//! the Python package) need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and
+//! `cargo xtask test`: what must hold before a change is done. The desktop's half (the Python package last) and the other (the firmware,
+//! then the page) need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and
 //! a browser that waits keep one processor busy each. Within a half one step follows the other, and the first that fails ends it.
 
 use std::{
@@ -31,7 +31,7 @@ pub enum CheckPart {
     Host,
     /// What needs one, or QEMU.
     Firmware,
-    /// What runs beside the desktop's half: the firmware, then the page and the Python package.
+    /// What runs beside the desktop's half: the firmware, then the page.
     Beside,
 }
 
@@ -67,16 +67,18 @@ const HOST: &[Step] = &[
     }),
 ];
 
-/// What needs a browser or an interpreter.
-const OTHERS: &[Step] = &[
+/// What people read, and what needs a browser.
+const PAGES: &[Step] = &[
     ("site's pages and their links", || {
         silent(site::run(true).map(drop))
     }),
     ("page in a browser", page),
-    ("Python package", || {
-        silent(crate::python::run(&[], &Build::Tested))
-    }),
 ];
+
+/// What needs an interpreter.
+const PYTHON: &[Step] = &[("Python package", || {
+    silent(crate::python::run(&[], &Build::Tested))
+})];
 
 const FIRMWARE: &[Step] = &[
     ("model for the microcontroller", || {
@@ -182,9 +184,9 @@ struct Row {
 pub fn run(part: CheckPart) -> JobResult {
     match part {
         CheckPart::All => side_by_side(),
-        CheckPart::Host => steps(&[HOST, OTHERS].concat()),
+        CheckPart::Host => steps(&[HOST, PYTHON, PAGES].concat()),
         CheckPart::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
-        CheckPart::Beside => steps(&[FIRMWARE, OTHERS].concat()),
+        CheckPart::Beside => steps(&[FIRMWARE, PAGES].concat()),
     }
 }
 
@@ -215,7 +217,7 @@ fn steps(steps: &[Step]) -> JobResult {
     }
 }
 
-/// The half of firmware, page and Python package, run by this program once more, with its output in a file until the desktop's half has ended.
+/// The half of firmware and page, run by this program once more, with its output in a file until the desktop's half has ended.
 struct Beside {
     child: Child,
     log: PathBuf,
@@ -232,7 +234,7 @@ impl Beside {
             .stdout(file.try_clone()?)
             .stderr(file);
         println!(
-            "\nfirmware, page and Python package run beside; their output is in {}",
+            "\nfirmware and page run beside; their output is in {}",
             log.display()
         );
         Ok(Self {
@@ -243,15 +245,15 @@ impl Beside {
 
     /// Waits for its end, and shows its output.
     fn finish(mut self) -> JobResult {
-        println!("\nwaiting for firmware, page and Python package");
+        println!("\nwaiting for firmware and page");
         // It gives up its own steps.
         let status = self.child.wait()?;
-        println!("\n=== firmware, page and Python package ===");
+        println!("\n=== firmware and page ===");
         println!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
         if status.success() {
             Ok(())
         } else {
-            Err("the half of firmware, page and Python package failed; its output is above".into())
+            Err("the half of firmware and page failed; its output is above".into())
         }
     }
 }
@@ -259,7 +261,7 @@ impl Beside {
 fn side_by_side() -> JobResult {
     steps(&[TOOLS])?;
     let mut beside = Beside::start()?;
-    if let Err(error) = steps(HOST) {
+    if let Err(error) = steps(&[HOST, PYTHON].concat()) {
         liveness::end(&mut beside.child);
         return Err(error);
     }

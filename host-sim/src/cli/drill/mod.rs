@@ -28,7 +28,7 @@ const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
 /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores each gap takes 4 to 8 s.\n\nExamples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 25 --bit-mass-kg 0.1\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
+    after_help = "On two cores each gap takes 3 to 8 s.\n\nExamples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 25 --bit-mass-kg 0.1\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
 )]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("ratio", |ratio| ratio.help(
     "Drive frequencies over the natural frequency, Ω/ω: FROM:TO:STEP, or one value [default: 1.2:4:0.02]"

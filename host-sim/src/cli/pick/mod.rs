@@ -42,7 +42,7 @@ const STARTS: u32 = 400;
 /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores a rig takes 2 s, each gap of --gap and each value of --over as long, --objective rop 8 s.\n\nExamples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gap 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
+    after_help = "On two cores a rig takes 1 to 2 s, each gap of --gap and each value of --over as long, --objective rop 7 s.\n\nExamples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gap 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
 )]
 #[command(mut_arg("gaps", |gaps| gaps.help("Clearance at rest, mm [default: 0.0, whatever the rig's]. FROM:TO:STEP, or several: pick at each, and advise at which to run")))]
 pub struct Args {

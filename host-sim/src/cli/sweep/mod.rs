@@ -27,7 +27,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 /// The force curve over frequency, from rest or carried up or down
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores 370 runs take a quarter of a minute from rest, half a minute carried up or down.\n\nExamples:\n  host-sim sweep --ratio 0.8:4.5:0.01 --direction up --out out\n  host-sim sweep --ratio 2 --over contact_stiffness_n_per_m=1e5:1e7:log20"
+    after_help = "On two cores 370 runs take 3 s from rest, 6 s carried up or down.\n\nExamples:\n  host-sim sweep --ratio 0.8:4.5:0.01 --direction up --out out\n  host-sim sweep --ratio 2 --over contact_stiffness_n_per_m=1e5:1e7:log20"
 )]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
