@@ -21,11 +21,11 @@ const UNIT: &str = "simulate --ratio 2 --cycles 4000 --transient 3900";
 const REQUESTS: [(&str, f64); 9] = [
     ("pick", 4.1),
     ("pick --nominal", 0.95),
-    ("pick --rig beam-170", 6.8),
+    ("pick --rig beam-170", 4.8),
     ("pick --gap 0:2.4:1.2", 12.6),
     ("pick --objective rop --threshold-n 50 --samples 16", 14.3),
     ("map", 52.0),
-    ("sweep --gap 1 --ratio 0.8:4.5:0.05 --direction up", 3.6),
+    ("sweep --gap 1 --ratio 0.8:4.5:0.05 --direction up", 3.9),
     ("trials --count 8", 15.3),
     ("emulate field --no-log", 4.3),
 ];
