@@ -4,7 +4,8 @@ use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Arrival, CycleRecorder, Engine, Plan, Start, machine, observe, within_reach};
-use crate::interpolation::{FoundOnce, around, polynomial};
+use crate::found_once::FoundOnce;
+use crate::interpolation::{around, polynomial};
 use crate::lanes;
 use crate::orbit::{Exactness, Orbit, Section, shoot, shoot_at, shoot_to};
 use crate::parallel;
@@ -92,7 +93,7 @@ impl Branch {
         if !(first.frequency_hz..=last.frequency_hz).contains(&frequency_hz) {
             return None;
         }
-        let near = around(&self.orbits, frequency_hz, 2, hz_of);
+        let near = around(&self.orbits, frequency_hz, 2, |o| o.frequency_hz);
         if let Some(known) = near.iter().find(|o| o.frequency_hz == frequency_hz) {
             return Some(known.clone());
         }
@@ -100,10 +101,6 @@ impl Branch {
         let guess = beside(&near, frequency_hz);
         shoot_to(exactness, &self.params, frequency_hz, guess, 1)
     }
-}
-
-fn hz_of(orbit: &Orbit) -> f64 {
-    orbit.frequency_hz
 }
 
 /// The frequency and section point of an orbit.

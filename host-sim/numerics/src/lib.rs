@@ -31,6 +31,7 @@ pub mod dual;
 pub mod engine;
 pub mod error;
 pub mod flow;
+mod found_once;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
 mod interpolation;

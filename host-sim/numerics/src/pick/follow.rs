@@ -194,25 +194,17 @@ fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> (Orbit, bool) {
 
 /// Where the orbit beside `node` is sought: on the parabola through the last three.
 fn guess(node: &Orbit, orbits: &[KnownOrbit]) -> Section {
-    let weights: &[f64] = match orbits.len() {
-        1 => &[1.0],
-        2 => &[-1.0, 2.0],
-        _ => &[1.0, -3.0, 3.0],
-    };
-    let mut guess = node.at();
-    for (known, weight) in orbits[orbits.len() - weights.len()..].iter().zip(weights) {
-        for (x, beside) in guess.iter_mut().zip(known.beside) {
-            *x += weight * beside;
-        }
-    }
-    guess
+    let last = orbits.iter().rev().take(3);
+    let last: Vec<_> = last.map(|o| (o.frequency_hz, o.beside)).collect();
+    let (at, beside) = (node.at(), polynomial(&last, node.frequency_hz));
+    [0, 1, 2, 3].map(|i| at[i] + beside[i])
 }
 
 /// The 1/1 of `rig` near `guess`, if it is stable: to what a picture shows where it is far from unstable and from another
 /// contact, else exactly.
 fn surely_stable(rig: &RigParams, hz: f64, guess: Section) -> Option<Orbit> {
-    /// The largest modulus of a multiplier that is far from 1.
-    const CALM: f64 = 0.95;
+    /// The largest modulus of a multiplier that is far from 1, where it was computed at a guess and not on the orbit.
+    const CALM: f64 = 0.8;
     /// A near miss that is none, as a share of A0.
     const CLEAR: f64 = 0.01;
     let drawn = shoot_to(Exactness::DRAWN, rig, hz, guess, 1)?;

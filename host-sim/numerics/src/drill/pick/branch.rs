@@ -8,7 +8,8 @@ use super::super::orbit::{DrillOrbit, shoot};
 use super::super::run::{observe, settle};
 use super::observe::on;
 use crate::branch::{BranchEdge, BranchEnd, beside};
-use crate::interpolation::{FoundOnce, around, polynomial};
+use crate::found_once::FoundOnce;
+use crate::interpolation::{around, polynomial};
 use crate::orbit::Section;
 use crate::root::{largest, stretch};
 

@@ -59,21 +59,17 @@ impl LinearMotion {
                 phase.ladder[0].apply(&z, &mut next);
             }
             let switch = self.switch_within(touching, &z, &next, h);
+            let length = switch.unwrap_or(h);
+            if let Some(t) = switch {
+                next = phase.a.exponential_of(t, &z);
+            }
             if touching && let Some(seen) = seen.as_deref_mut() {
-                let top = match switch {
-                    Some(t) => self.largest_force(&z, &phase.a.exponential_of(t, &z), t),
-                    None => self.largest_force(&z, &next, h),
-                };
+                let top = self.largest_force(&z, &next, length);
                 if top > seen.force {
                     (seen.force, seen.approach) = (top, approach);
                 }
             }
             if let Some(path) = seen.as_deref_mut().and_then(|seen| seen.path.as_mut()) {
-                let length = switch.unwrap_or(h);
-                let end = match switch {
-                    Some(t) => phase.a.exponential_of(t, &z),
-                    None => next.clone(),
-                };
                 let mut middle = z.clone();
                 if last || switch.is_some() {
                     middle = phase.a.exponential_of(0.5 * length, &z);
@@ -83,7 +79,7 @@ impl LinearMotion {
                 path.push(LinearLeg {
                     touching,
                     length,
-                    states: [z.clone(), middle, end],
+                    states: [z.clone(), middle, next.clone()],
                 });
             }
             let Some(t) = switch else {
@@ -100,7 +96,7 @@ impl LinearMotion {
                 std::mem::swap(&mut z, &mut next);
                 continue;
             };
-            z = phase.a.exponential_of(t, &z);
+            std::mem::swap(&mut z, &mut next);
             left -= t;
             if let Some(seen) = seen.as_deref_mut() {
                 seen.pieces.push((touching, since + t));
