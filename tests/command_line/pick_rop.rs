@@ -129,7 +129,7 @@ fn what_cannot_be_is_refused_in_one_line() {
             ),
             (
                 "pick --objective rop --threshold-n 25 --nominal --cart prescribed --max-shaker-force-n 0.1",
-                "max_shaker_force_n",
+                "the nearest that can be kept: max_shaker_force_n = 0.9",
             ),
         ],
     );

@@ -17,7 +17,6 @@ use super::plant::{Plant, ShakerDrive};
 use super::shaker::SetPointPath;
 use numerics::branch::{Branch, one_one_branches};
 use numerics::orbit::{Orbit, shoot};
-use numerics::pick::search::maximise;
 
 /// Ratios Ω/ω searched for the optimum.
 const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
@@ -51,9 +50,7 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
     let branch = one_one_branches(rig, SEARCH_RATIOS)
         .into_iter()
         .max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
-    let within = (branch.low.frequency_hz, branch.high.frequency_hz);
-    let force = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
-    let (_, orbit) = maximise(&branch, within, force)?;
+    let orbit = branch.best(branch.range(), |orbit| orbit.force_n)?;
     Some((branch, orbit))
 }
 
@@ -89,7 +86,7 @@ pub fn two_bodies_at(
     };
     let (low, high) = (NEAR.0 * top.frequency_hz, NEAR.1 * top.frequency_hz);
     let force = |hz: f64| near(hz).map(|orbit| (orbit.force_n, ()));
-    let second = match maximise(&branch, (low, high), force) {
+    let second = match branch.largest((low, high), force) {
         // Not at an end of what was searched.
         Some((hz, ())) if (1.001 * low..0.999 * high).contains(&hz) => {
             around(&other, drive, mounting, hz, near)

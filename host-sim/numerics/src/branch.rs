@@ -9,6 +9,7 @@ use crate::interpolation::{around, polynomial};
 use crate::lanes;
 use crate::orbit::{Exactness, Orbit, Section, shoot, shoot_at, shoot_to};
 use crate::parallel;
+use crate::root::{largest, stretch};
 
 /// How a stable 1/1 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -35,18 +36,141 @@ pub struct BranchEdge {
     pub end: BranchEnd,
 }
 
+/// What has a 1/1 that is followed over frequency: a rig on a surface that stays, or on ground that gives way.
+pub trait Case: Clone + Send + Sync {
+    /// Its orbit.
+    type Orbit: Clone + Send + Sync;
+
+    /// The rig.
+    fn params(&self) -> &RigParams;
+
+    /// The 1/1 near `guess` at `hz`, as it is told.
+    fn one_one(&self, hz: f64, guess: Section) -> Option<Self::Orbit>;
+
+    /// The frequency and section point of an orbit.
+    fn place(orbit: &Self::Orbit) -> (f64, Section);
+
+    /// To what ends and best frequencies are found near `hz`, Hz.
+    fn resolution_hz(&self, hz: f64) -> f64;
+}
+
+impl Case for RigParams {
+    type Orbit = Orbit;
+
+    fn params(&self) -> &RigParams {
+        self
+    }
+
+    fn one_one(&self, hz: f64, guess: Section) -> Option<Orbit> {
+        shoot_at(self, hz, guess, 1)
+    }
+
+    fn place(orbit: &Orbit) -> (f64, Section) {
+        (orbit.frequency_hz, orbit.at())
+    }
+
+    fn resolution_hz(&self, hz: f64) -> f64 {
+        1e-7 * hz
+    }
+}
+
 /// A stretch of stable 1/1 orbits.
 #[derive(Clone, Debug)]
-pub struct Branch {
-    params: RigParams,
+pub struct Branch<C: Case = RigParams> {
+    /// What it is of.
+    pub case: C,
     /// Orbits along it, by rising frequency, the ends included.
-    pub orbits: Vec<Orbit>,
+    pub orbits: Vec<C::Orbit>,
     /// Its lower end.
     pub low: BranchEdge,
     /// Its upper end.
     pub high: BranchEdge,
     /// Orbits found between.
-    between: FoundOnce<Orbit>,
+    between: FoundOnce<C::Orbit>,
+}
+
+impl<C: Case> Branch<C> {
+    /// Of orbits on either side of `seed`, each list from it outwards and without it, and how they end.
+    pub fn new(
+        case: C,
+        (mut down, low): (Vec<C::Orbit>, BranchEdge),
+        seed: C::Orbit,
+        (up, high): (Vec<C::Orbit>, BranchEdge),
+    ) -> Self {
+        down.reverse();
+        down.push(seed);
+        down.extend(up);
+        Self {
+            case,
+            orbits: down,
+            low,
+            high,
+            between: FoundOnce::default(),
+        }
+    }
+
+    /// Where it is stable, Hz.
+    pub fn range(&self) -> (f64, f64) {
+        (self.low.frequency_hz, self.high.frequency_hz)
+    }
+
+    /// The frequencies of its orbits, Hz, rising.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        self.orbits.iter().map(|o| C::place(o).0)
+    }
+
+    /// The 1/1 orbit at `hz`, found from its nearest neighbours on the branch. `None` outside the branch.
+    pub fn at(&self, hz: f64) -> Option<C::Orbit> {
+        // From the branch's orbits alone, so that it is the same whoever asks first.
+        let find = || self.near(hz, |guess| self.case.one_one(hz, guess));
+        self.between.at(hz, find)
+    }
+
+    /// The orbit at `hz` if it is one of the branch's, else what `find` makes of where it is to be sought.
+    fn near(&self, hz: f64, find: impl FnOnce(Section) -> Option<C::Orbit>) -> Option<C::Orbit> {
+        let frequency = |o: &C::Orbit| C::place(o).0;
+        let (first, last) = (self.orbits.first()?, self.orbits.last()?);
+        if !(frequency(first)..=frequency(last)).contains(&hz) {
+            return None;
+        }
+        let near = around(&self.orbits, hz, 2, frequency);
+        if let Some(known) = near.iter().find(|o| frequency(o) == hz) {
+            return Some(known.clone());
+        }
+        let near: Vec<_> = near.iter().map(C::place).collect();
+        find(beside(&near, hz))
+    }
+
+    /// The frequency in `within_hz` at which `value` is largest, and what comes with it ([`largest`]).
+    pub fn largest<T>(
+        &self,
+        within_hz: (f64, f64),
+        value: impl Fn(f64) -> Option<(f64, T)>,
+    ) -> Option<(f64, T)> {
+        let tolerance = self.case.resolution_hz(within_hz.1);
+        largest(self.frequencies(), within_hz, tolerance, value)
+    }
+
+    /// The orbit in `within_hz` of which `value` is largest.
+    pub fn best(
+        &self,
+        within_hz: (f64, f64),
+        value: impl Fn(&C::Orbit) -> f64,
+    ) -> Option<C::Orbit> {
+        let worth = |hz: f64| self.at(hz).map(|orbit| (value(&orbit), orbit));
+        Some(self.largest(within_hz, worth)?.1)
+    }
+
+    /// The interval about `from_hz`, inside `within_hz`, on which `holds` is true ([`stretch`]).
+    pub fn stretch(
+        &self,
+        from_hz: f64,
+        within_hz: (f64, f64),
+        holds: impl Fn(f64) -> bool,
+    ) -> (f64, f64) {
+        let width = self.case.resolution_hz(from_hz);
+        stretch(self.frequencies(), from_hz, within_hz, width, holds)
+    }
 }
 
 /// Ends are reported this far inside the branch, as a share of the natural frequency: there the orbit is still what the
@@ -56,56 +180,16 @@ const EDGE_TOLERANCE: f64 = 1e-7;
 impl Branch {
     /// Follows the stable 1/1 from `seed` both ways, within `limits_hz`, by pseudo-arclength.
     pub fn follow(params: &RigParams, seed: Orbit, limits_hz: (f64, f64)) -> Self {
-        let (mut down, low) = march_to(params, &seed, limits_hz, -1.0);
-        let (up, high) = march_to(params, &seed, limits_hz, 1.0);
-        down.reverse();
-        down.push(seed);
-        down.extend(up);
-        Self {
-            params: *params,
-            orbits: down,
-            low,
-            high,
-            between: FoundOnce::default(),
-        }
+        let down = march_to(params, &seed, limits_hz, -1.0);
+        let up = march_to(params, &seed, limits_hz, 1.0);
+        Self::new(*params, down, seed, up)
     }
 
-    /// The frequencies of its orbits, Hz, rising.
-    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
-        self.orbits.iter().map(|o| o.frequency_hz)
+    /// The contact force of the 1/1 at `hz`, N, to some 1e-7. `None` outside the branch.
+    pub fn force_n_at(&self, hz: f64) -> Option<f64> {
+        let find = |guess| shoot_to(Exactness::OF_MANY, &self.case, hz, guess, 1);
+        Some(self.near(hz, find)?.force_n)
     }
-
-    /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
-    /// the branch.
-    pub fn at(&self, frequency_hz: f64) -> Option<Orbit> {
-        // From the branch's orbits alone, so that it is the same whoever asks first.
-        let find = || self.to(Exactness::FULL, frequency_hz);
-        self.between.at(frequency_hz, find)
-    }
-
-    /// The contact force of the 1/1 at `frequency_hz`, N, to some 1e-7. `None` outside the branch.
-    pub fn force_n_at(&self, frequency_hz: f64) -> Option<f64> {
-        Some(self.to(Exactness::OF_MANY, frequency_hz)?.force_n)
-    }
-
-    fn to(&self, exactness: Exactness, frequency_hz: f64) -> Option<Orbit> {
-        let (first, last) = (self.orbits.first()?, self.orbits.last()?);
-        if !(first.frequency_hz..=last.frequency_hz).contains(&frequency_hz) {
-            return None;
-        }
-        let near = around(&self.orbits, frequency_hz, 2, |o| o.frequency_hz);
-        if let Some(known) = near.iter().find(|o| o.frequency_hz == frequency_hz) {
-            return Some(known.clone());
-        }
-        let near: Vec<_> = near.iter().map(place).collect();
-        let guess = beside(&near, frequency_hz);
-        shoot_to(exactness, &self.params, frequency_hz, guess, 1)
-    }
-}
-
-/// The frequency and section point of an orbit.
-pub(crate) fn place(orbit: &Orbit) -> (f64, Section) {
-    (orbit.frequency_hz, orbit.at())
 }
 
 /// The section point at `frequency_hz` beside a few orbits at the `places`, by rising frequency: on the polynomial through them,
@@ -164,7 +248,7 @@ fn march_to(
         let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
         let last = orbits.last().unwrap_or(seed);
         let frequency_hz = last.frequency_hz - direction * EDGE_TOLERANCE * unit;
-        let guess = polynomial(&[before, last].map(place), frequency_hz);
+        let guess = polynomial(&[before, last].map(RigParams::place), frequency_hz);
         let inside = shoot_at(params, frequency_hz, guess, 1).filter(Orbit::is_stable_one_one);
         orbits.pop();
         orbits.extend(inside);

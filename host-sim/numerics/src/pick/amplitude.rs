@@ -1,11 +1,9 @@
 //! Another amplitude: a lower one where the shaker cannot give the rig's, or the one that gives the force wanted.
 
-use super::answer::shaker_force;
+use super::case::PickCase;
 use super::choose::PickField;
-use super::{best_branch, range};
 use crate::limits::PickLimits;
-use crate::orbit::Orbit;
-use crate::progress::Progress;
+use crate::progress::{Progress, WithinStep};
 use crate::row::NamedRig;
 
 /// The shaker's limits are kept up to this many times the frequency that is strongest at the lower amplitude, so that the
@@ -14,15 +12,27 @@ const MARGIN: f64 = 1.05;
 /// Amplitudes tried. Forces go with the amplitude at no gap, where the second fits.
 const TRIALS: usize = 10;
 
-/// `rig` at the amplitude at which its strongest nominal 1/1 needs no more than the shaker's limits allow. None if it does
-/// at the rig's own, so that lowering it is no help, or at no lower one.
-pub fn lowered(rig: &NamedRig, limits: PickLimits, progress: &dyn Progress) -> Option<NamedRig> {
+/// `rig` at the first of a few lower and lower amplitudes at which its best nominal 1/1 needs no more than the shaker's limits
+/// allow. None if it does at the rig's own, so that lowering it is no help, or at no lower one, or there is no 1/1.
+pub fn lowered<C: PickCase>(
+    rig: &NamedRig,
+    case: &C,
+    limits: PickLimits,
+    progress: &dyn Progress,
+) -> Option<NamedRig> {
     let most = limits.shaker_force_n(&rig.params)?;
     let free = limits.without_the_shaker();
-    lower_until(rig, |lower| {
-        let orbit = strongest(lower, free, progress)?;
-        Some(shaker_force(&lower.params, &orbit) / most)
-    })
+    let mut lower = rig.clone();
+    for trial in 0..TRIALS {
+        let there = case.with(&lower.params);
+        let orbit = best_within(&lower, &there, free, progress)?;
+        let needed = MARGIN * MARGIN * there.shaker_force_n(&orbit) / most;
+        if needed <= 1.0 {
+            return (trial > 0).then_some(lower);
+        }
+        lower.params.amplitude_m *= 0.999 / needed;
+    }
+    None
 }
 
 /// Amplitudes tried for a force that is wanted.
@@ -72,34 +82,21 @@ pub fn for_force<T, E>(
     Ok(None)
 }
 
-/// The strongest nominal 1/1 of `rig` within `limits`.
-pub fn strongest(rig: &NamedRig, limits: PickLimits, progress: &dyn Progress) -> Option<Orbit> {
-    let branch = best_branch(rig).ok()?;
+/// The best nominal 1/1 within `limits`.
+pub fn best_within<C: PickCase>(
+    rig: &NamedRig,
+    case: &C,
+    limits: PickLimits,
+    progress: &dyn Progress,
+) -> Option<C::Orbit> {
+    let branch = &case.best_branch(rig, &WithinStep(progress)).ok()?;
     let field = PickField {
         rig,
-        branch: &branch,
+        branch,
         members: &[],
         progress,
     };
-    field.best(range(&branch), limits)
-}
-
-/// `rig` at the first of a few lower and lower amplitudes at which it needs no more than the shaker's limits allow;
-/// `needed_over_allowed` is what the best orbit of a rig needs over what they allow. None if that is so at the rig's own
-/// amplitude, or at none, or there is no orbit.
-pub fn lower_until(
-    rig: &NamedRig,
-    needed_over_allowed: impl Fn(&NamedRig) -> Option<f64>,
-) -> Option<NamedRig> {
-    let mut lower = rig.clone();
-    for trial in 0..TRIALS {
-        let needed = MARGIN * MARGIN * needed_over_allowed(&lower)?;
-        if needed <= 1.0 {
-            return (trial > 0).then_some(lower);
-        }
-        lower.params.amplitude_m *= 0.999 / needed;
-    }
-    None
+    field.best(branch.range(), limits)
 }
 
 #[cfg(test)]

@@ -8,11 +8,11 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 use super::bending::Bending;
+use super::case::OrbitNumbers;
 use super::sensitivity::Sensitivity;
 use crate::branch::BranchEnd;
 use crate::limits::LimitUse;
 use crate::orbit::{Orbit, loop_force_n};
-use crate::row::NamedRig;
 use crate::row::{CartModel, regime_as_text, tidy};
 use crate::uncertainty::Uncertainty;
 
@@ -40,20 +40,42 @@ pub struct ShakerNeed {
     pub loop_force_n: Option<f64>,
 }
 
-/// Where the hammer is strongest, and how strong.
+impl ShakerNeed {
+    /// What moves cart and hammer at `hz`, without what contacts and damping take.
+    pub fn to_move(params: &RigParams, hz: f64) -> Self {
+        let (amplitude, omega) = (params.amplitude_m, TAU * hz);
+        let moved_kg = params.cart_mass_kg + params.mass_kg;
+        Self {
+            stroke_mm: tidy(2e3 * amplitude),
+            velocity_m_per_s: amplitude * omega,
+            acceleration_m_per_s2: amplitude * omega.powi(2),
+            force_n: drive_force(params, hz),
+            mean_power_w: 0.0,
+            reactive_power_w: 0.5 * moved_kg * amplitude.powi(2) * omega.powi(3),
+            energy_per_blow_j: 0.0,
+            blows_per_second: hz,
+            loop_force_n: None,
+        }
+    }
+}
+
+/// Where the hammer is worth most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrongestPoint {
+pub struct BestPoint {
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
+    /// What is made largest: contact force, N, or rate of penetration, m/s.
+    pub worth: f64,
     /// Contact force over m g.
     pub force_ratio: f64,
 }
 
-impl StrongestPoint {
-    /// Of `orbit`.
-    pub fn of(orbit: &Orbit, params: &RigParams) -> Self {
+impl BestPoint {
+    /// Of an orbit of a rig.
+    pub fn of(orbit: &OrbitNumbers, params: &RigParams) -> Self {
         Self {
             frequency_hz: orbit.frequency_hz,
+            worth: orbit.worth,
             force_ratio: orbit.force_n / params.weight_n(),
         }
     }
@@ -156,8 +178,7 @@ pub struct PickAnswer {
     pub force_ratio_at_natural_frequency: f64,
     /// What the shaker must give.
     pub shaker: ShakerNeed,
-    /// Largest force of the shaker at the best nominal frequency with the rig's own amplitude, no limits, N; none on ground
-    /// that gives way.
+    /// Largest force of the shaker at the best nominal frequency with the rig's own amplitude, no limits, N.
     pub shaker_force_at_optimum_n: Option<f64>,
     /// Limits, and which decide.
     pub limits: Vec<LimitUse>,
@@ -193,19 +214,13 @@ pub fn impact_power(orbit: &Orbit) -> f64 {
 }
 
 /// What the shaker must give for `orbit`.
-pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> ShakerNeed {
-    let params = &rig.params;
-    let (amplitude, omega) = (params.amplitude_m, TAU * orbit.frequency_hz);
-    let moved_kg = params.cart_mass_kg + params.mass_kg;
+pub fn shaker(params: &RigParams, orbit: &Orbit) -> ShakerNeed {
+    let need = ShakerNeed::to_move(params, orbit.frequency_hz);
     ShakerNeed {
-        stroke_mm: tidy(2e3 * amplitude),
-        velocity_m_per_s: amplitude * omega,
-        acceleration_m_per_s2: amplitude * omega.powi(2),
-        force_n: drive_force(params, orbit.frequency_hz),
         mean_power_w: orbit.energy_per_period_j * orbit.frequency_hz,
-        reactive_power_w: 0.5 * moved_kg * amplitude.powi(2) * omega.powi(3),
         energy_per_blow_j: orbit.contact.energy_lost_j,
         blows_per_second: f64::from(orbit.impacts) * orbit.frequency_hz,
         loop_force_n: loop_force_n(params, orbit),
+        ..need
     }
 }

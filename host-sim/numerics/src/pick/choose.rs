@@ -1,22 +1,23 @@
 //! The choice on the robust range, within the limits asked for.
 
-use super::answer::{drive_force, shaker_force};
-use super::follow::Followed;
+use shared::model::params::RigParams;
+
+use super::answer::drive_force;
+use super::case::PickCase;
 use super::robust::with_reserve;
-use super::search::{ForceSpread, interval_where, maximise, spread_of_members};
+use super::search::{Spread, spread_of_members};
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::limits::{LimitUse, PickLimits};
-use crate::orbit::Orbit;
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
 
 /// The orbit chosen.
-pub struct ChosenOrbit {
+pub struct ChosenOrbit<C: PickCase = RigParams> {
     /// The nominal orbit.
-    pub orbit: Orbit,
-    /// Forces over the uncertainty.
-    pub spread: ForceSpread,
+    pub orbit: C::Orbit,
+    /// What it is worth over the uncertainty.
+    pub spread: Spread,
     /// The part of the robust range about it that the limits allow, Hz.
     pub allowed: (f64, f64),
     /// Limits, and which decide.
@@ -24,19 +25,32 @@ pub struct ChosenOrbit {
 }
 
 /// What is chosen from: the nominal branch, and the rigs the real one may be.
-#[derive(Clone, Copy)]
-pub struct PickField<'a> {
+pub struct PickField<'a, C: PickCase = RigParams> {
     /// The nominal rig.
     pub rig: &'a NamedRig,
     /// Its stable 1/1.
-    pub branch: &'a Branch,
+    pub branch: &'a Branch<C>,
     /// The uncertainty's members.
-    pub members: &'a [Followed],
+    pub members: &'a [C::Followed],
     /// Who can end the search.
     pub progress: &'a dyn Progress,
 }
 
-impl PickField<'_> {
+impl<'a, C: PickCase> PickField<'a, C> {
+    /// The same with other members.
+    fn asking<'b>(&self, members: &'b [C::Followed]) -> PickField<'b, C>
+    where
+        'a: 'b,
+    {
+        let (rig, branch, progress) = (self.rig, self.branch, self.progress);
+        PickField {
+            rig,
+            branch,
+            members,
+            progress,
+        }
+    }
+
     /// The highest frequency allowed by the limits that need no orbit, Hz.
     fn top(&self, limits: PickLimits) -> f64 {
         let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
@@ -53,11 +67,11 @@ impl PickField<'_> {
 
     /// The orbit at `hz`, if its force and that of every member is within the limit. None, too, once the search should
     /// stop.
-    fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<Orbit> {
+    fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<C::Orbit> {
         check(self.progress).ok()?;
         let orbit = self.branch.at(hz)?;
         if let Some(max) = max_force_n {
-            let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
+            let spread = spread_of_members(&self.branch.case, self.members, &orbit)?;
             if spread.strongest_n > max {
                 return None;
             }
@@ -66,36 +80,39 @@ impl PickField<'_> {
     }
 
     /// The same within the force that the shaker can give, too.
-    fn within(&self, hz: f64, limits: PickLimits) -> Option<Orbit> {
+    fn within(&self, hz: f64, limits: PickLimits) -> Option<C::Orbit> {
         let orbit = self.within_force(hz, limits.max_force_n)?;
         let params = &self.rig.params;
         // With a prescribed cart it bounds the frequency.
         let most = limits
             .shaker_force_n(params)
             .filter(|_| params.cart.recoils());
-        let keeps = most.is_none_or(|most| shaker_force(params, &orbit) <= most);
+        let keeps = most.is_none_or(|most| self.branch.case.shaker_force_n(&orbit) <= most);
         keeps.then_some(orbit)
     }
 
-    /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
+    /// The orbit worth most in `range_hz` within `limits`. Both flanks of the force curve may reach a force
     /// limit; the lower one is taken, which needs less of the shaker and is farther from the doubling.
-    pub fn best(&self, range_hz: (f64, f64), limits: PickLimits) -> Option<Orbit> {
+    pub fn best(&self, range_hz: (f64, f64), limits: PickLimits) -> Option<C::Orbit> {
         let range_hz = (range_hz.0, self.top(limits).min(range_hz.1));
         if range_hz.1 < range_hz.0 {
             return None;
         }
         let within = |hz: f64| self.within(hz, limits);
-        let (best_hz, orbit) = maximise(self.branch, range_hz, |hz| {
+        let (best_hz, orbit) = self.branch.largest(range_hz, |hz| {
             let orbit = within(hz)?;
-            Some((orbit.force_n, orbit))
+            Some((C::numbers_of(&orbit).worth, orbit))
         })?;
         if limits.max_force_n.is_none() || within(range_hz.0).is_none() {
             return Some(orbit);
         }
         let rising = (range_hz.0, best_hz);
-        let (_, edge) = interval_where(self.branch, range_hz.0, rising, |hz| within(hz).is_some());
+        let (_, edge) = self
+            .branch
+            .stretch(range_hz.0, rising, |hz| within(hz).is_some());
         let lower = within(edge)?;
-        let equal = lower.force_n >= orbit.force_n * (1.0 - 1e-5);
+        let worth = |orbit| C::numbers_of(orbit).worth;
+        let equal = worth(&lower) >= worth(&orbit) * (1.0 - 1e-5);
         Some(if equal { lower } else { orbit })
     }
 
@@ -106,9 +123,8 @@ impl PickField<'_> {
         if limits.max_force_n.is_none() && !by_shaker {
             return range_hz;
         }
-        interval_where(self.branch, from_hz, range_hz, |hz| {
-            self.within(hz, limits).is_some()
-        })
+        self.branch
+            .stretch(from_hz, range_hz, |hz| self.within(hz, limits).is_some())
     }
 
     /// The best orbit that uncertainty and limits allow, and which of them decide.
@@ -121,18 +137,15 @@ impl PickField<'_> {
     ///
     /// # Errors
     /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
-    pub fn choose(&self, robust: (f64, f64), limits: PickLimits) -> Result<ChosenOrbit, Error> {
+    pub fn choose(&self, robust: (f64, f64), limits: PickLimits) -> Result<ChosenOrbit<C>, Error> {
         let kept = with_reserve(robust, !self.members.is_empty());
-        let mut strong: Vec<Followed> = Vec::new();
+        let mut strong: Vec<C::Followed> = Vec::new();
         loop {
-            let search = PickField {
-                members: &strong,
-                ..*self
-            };
+            let search = self.asking(&strong);
             let best = search.best(kept, limits);
             check(self.progress)?;
             let orbit = best.ok_or_else(|| self.nothing(kept, limits))?;
-            let allowed = search.allowed(orbit.frequency_hz, robust, limits);
+            let allowed = search.allowed(C::numbers_of(&orbit).frequency_hz, robust, limits);
             check(self.progress)?;
             let spread = self.spread(&orbit)?;
             let mut breaker = self.breaks(&spread, &strong, limits);
@@ -162,29 +175,29 @@ impl PickField<'_> {
     /// The strongest member, if it breaks the force limit and is not among those known to.
     fn breaks(
         &self,
-        spread: &ForceSpread,
-        known: &[Followed],
+        spread: &Spread,
+        known: &[C::Followed],
         limits: PickLimits,
-    ) -> Option<Followed> {
+    ) -> Option<C::Followed> {
         let max = limits.max_force_n?;
         let member = &self.members[spread.strongest?];
         (spread.strongest_n > max && !known.contains(member)).then(|| member.clone())
     }
 
-    /// The smallest force over the uncertainty at `hz`, N. None if a member has no stable 1/1 there.
-    pub fn weakest_at(&self, hz: f64) -> Option<f64> {
+    /// What is spread over the uncertainty at `hz`. None if a member has no stable 1/1 there.
+    pub fn spread_at(&self, hz: f64) -> Option<Spread> {
         let orbit = self.branch.at(hz)?;
-        spread_of_members(&self.rig.params, self.members, &orbit).map(|spread| spread.weakest_n)
+        spread_of_members(&self.branch.case, self.members, &orbit)
     }
 
-    /// Forces of `orbit` and of every member at its frequency.
+    /// What `orbit` and every member at its frequency are worth.
     ///
     /// # Errors
     /// If a member has no stable 1/1 there.
-    pub fn spread(&self, orbit: &Orbit) -> Result<ForceSpread, Error> {
-        spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
+    pub fn spread(&self, orbit: &C::Orbit) -> Result<Spread, Error> {
+        spread_of_members(&self.branch.case, self.members, orbit).ok_or_else(|| {
             self.rig.no_pick(PickError::MemberLost {
-                frequency_hz: orbit.frequency_hz,
+                frequency_hz: C::numbers_of(orbit).frequency_hz,
             })
         })
     }
@@ -220,21 +233,21 @@ impl PickField<'_> {
         };
         let strongest = |hz: f64| {
             let orbit = self.branch.at(hz)?;
-            let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
+            let spread = spread_of_members(&self.branch.case, self.members, &orbit)?;
             Some((-spread.strongest_n, ()))
         };
         let softest_n = || {
-            let (hz, ()) = maximise(self.branch, open, strongest)?;
+            let (hz, ()) = self.branch.largest(open, strongest)?;
             strongest(hz).map(|(minus, ())| -minus)
         };
         let held = |hz: f64| {
             let orbit = self.branch.at(hz)?;
-            Some((-shaker_force(params, &orbit), ()))
+            Some((-self.branch.case.shaker_force_n(&orbit), ()))
         };
         let least_held_n = || {
             // Of a prescribed cart it rises with the frequency.
             let open = if params.cart.recoils() { open } else { robust };
-            let (hz, ()) = maximise(self.branch, open, held)?;
+            let (hz, ()) = self.branch.largest(open, held)?;
             held(hz).map(|(minus, ())| -minus)
         };
         let shaker =
@@ -253,18 +266,15 @@ impl PickField<'_> {
     /// What decides: without it there is more.
     fn which_decide(
         &self,
-        orbit: &Orbit,
+        orbit: &C::Orbit,
         (robust, kept): ((f64, f64), (f64, f64)),
         limits: PickLimits,
     ) -> Vec<LimitUse> {
-        let more = |found: Option<Orbit>| {
-            found.is_some_and(|other| other.force_n > orbit.force_n * (1.0 + 1e-6))
+        let worth = C::numbers_of(orbit).worth;
+        let more = |found: Option<C::Orbit>| {
+            found.is_some_and(|other| C::numbers_of(&other).worth > worth * (1.0 + 1e-6))
         };
-        let certain = PickField {
-            members: &[],
-            ..*self
-        };
-        let free = (self.branch.low.frequency_hz, self.branch.high.frequency_hz);
+        let (certain, free) = (self.asking(&[]), self.branch.range());
         let mut uses = vec![LimitUse {
             name: "the uncertainty",
             limit: None,

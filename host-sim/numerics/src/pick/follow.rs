@@ -3,7 +3,6 @@
 
 use shared::model::params::RigParams;
 
-use super::range;
 use super::search::{follow_member, own_branch};
 use crate::branch::{Branch, BranchEnd};
 use crate::interpolation::{around, polynomial};
@@ -108,7 +107,7 @@ pub(super) fn along(
     let mut orbits: Vec<_> = known.collect();
     orbits.dedup_by(|a, b| a.frequency_hz == b.frequency_hz);
     let member = *member;
-    Some((range(&own), Followed { member, orbits }))
+    Some((own.range(), Followed { member, orbits }))
 }
 
 /// How far apart the frequencies are at which members are followed, as a share of the natural frequency.

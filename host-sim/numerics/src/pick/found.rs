@@ -1,62 +1,66 @@
 //! What was found, as the answer for tables and text.
 
-use super::answer::{PickAnswer, StrongestPoint, impact_power, shaker, shaker_force};
+use super::answer::{BestPoint, PickAnswer};
 use super::bending::{Bending, on_beams};
+use super::case::PickCase;
 use super::choose::ChosenOrbit;
-use super::range;
-use super::runs::Runs;
+use super::robust::Robust;
+use super::runs::{Jumps, Runs};
+use super::search::Spread;
 use super::sensitivity::Sensitivity;
 use crate::branch::{Branch, BranchEnd};
-use crate::orbit::Orbit;
 use crate::row::CartModel;
 use crate::row::{NamedRig, tidy};
 use crate::uncertainty::Uncertainty;
 
-/// The part of the band that uncertainty and limits allow.
-pub(super) struct SafeBand {
-    pub(super) hz: (f64, f64),
-    /// Smallest force ratio over the uncertainty at its ends.
-    pub(super) force_ratio_worst: [Option<f64>; 2],
-}
-
 /// Everything the answer is made of.
-pub(super) struct PickParts<'a> {
-    pub(super) rig: &'a NamedRig,
-    pub(super) branch: &'a Branch,
-    /// The strongest nominal orbit, without uncertainty and limits.
-    pub(super) nominal: &'a Orbit,
+pub(crate) struct PickParts<C: PickCase> {
+    pub(crate) rig: NamedRig,
+    pub(crate) branch: Branch<C>,
+    /// The best nominal orbit, without uncertainty and limits.
+    pub(crate) nominal: C::Orbit,
     /// The nominal orbit with the most impact power, without uncertainty and limits.
-    pub(super) power: &'a Orbit,
-    /// Where 1/1 is stable over the whole uncertainty, Hz.
-    pub(super) robust: (f64, f64),
-    /// [`force_band`] of the orbit chosen.
-    pub(super) band: (f64, f64),
-    pub(super) safe_band: SafeBand,
-    /// How strong the nominal rig is with its cart and with the other one: [`super::comparable`].
-    pub(super) own: StrongestPoint,
-    pub(super) other: Option<StrongestPoint>,
-    pub(super) choice: ChosenOrbit,
-    /// [`Jumps::at_hz`].
-    pub(super) jumps: &'a [f64],
-    pub(super) runs: Runs,
-    pub(super) sensitivity: Vec<Sensitivity>,
-    pub(super) uncertainty: Option<Uncertainty>,
-    pub(super) bending: Option<Bending>,
+    pub(crate) power: C::Orbit,
+    /// What it is worth over frequency: (Hz, worth).
+    pub(crate) curve: Vec<(f64, f64)>,
+    pub(crate) robust: Robust<C>,
+    /// [`super::worth_band`] of the orbit chosen.
+    pub(crate) band: (f64, f64),
+    /// The part of that band that uncertainty and limits allow.
+    pub(crate) safe_band: (f64, f64),
+    /// What is spread over the uncertainty at its ends.
+    pub(crate) safe_spread: [Option<Spread>; 2],
+    /// The best of the nominal rig with its cart and with the other one: [`super::comparable`].
+    pub(crate) own: BestPoint,
+    pub(crate) other: Option<BestPoint>,
+    pub(crate) choice: ChosenOrbit<C>,
+    pub(crate) jumps: Jumps,
+    pub(crate) runs: Runs,
+    pub(crate) sensitivity: Vec<Sensitivity>,
+    pub(crate) uncertainty: Option<Uncertainty>,
+    pub(crate) bending: Option<Bending>,
 }
 
-impl PickParts<'_> {
+impl<C: PickCase> PickParts<C> {
+    /// The best with a cart that recoils, and with one that moves as prescribed.
+    pub(crate) fn by_cart(&self) -> [Option<BestPoint>; 2] {
+        match CartModel::of(&self.rig.params) {
+            CartModel::Recoil => [Some(self.own), self.other],
+            CartModel::Prescribed => [self.other, Some(self.own)],
+        }
+    }
+
     /// The answer for tables and text.
-    pub(super) fn answer(self) -> PickAnswer {
+    pub(crate) fn answer(&self) -> PickAnswer {
         let params = &self.rig.params;
         let weight = params.weight_n();
-        let chosen = &self.choice.orbit;
+        let [chosen, nominal, power] =
+            [&self.choice.orbit, &self.nominal, &self.power].map(C::numbers_of);
         let spread = &self.choice.spread;
-        let (band, safe_band) = (self.band, self.safe_band.hz);
+        let (band, safe_band) = (self.band, self.safe_band);
         let cart = CartModel::of(params);
-        let (recoil, prescribed) = match cart {
-            CartModel::Recoil => (Some(self.own), self.other),
-            CartModel::Prescribed => (self.other, Some(self.own)),
-        };
+        let [recoil, prescribed] = self.by_cart();
+        let jumps = &self.jumps.at_hz;
         let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
         let doubles = self.branch.high.end == BranchEnd::PeriodDoubling;
         PickAnswer {
@@ -83,41 +87,40 @@ impl PickParts<'_> {
             force_n: chosen.force_n,
             force_ratio_worst: spread.weakest_n / weight,
             force_ratio_largest: spread.strongest_n / weight,
-            approach_speed_m_per_s: chosen.contact.approach_speed_m_per_s,
-            contact_time_ms: chosen.contact.duration_s * 1e3,
+            approach_speed_m_per_s: self.runs.approach_speed_m_per_s,
+            contact_time_ms: self.runs.contact_s * 1e3,
             band_hz: band.into(),
             safe_band_hz: safe_band.into(),
             margin_below_percent: 100.0 * (1.0 - safe_band.0 / chosen.frequency_hz),
             margin_above_percent: 100.0 * (safe_band.1 / chosen.frequency_hz - 1.0),
-            safe_band_force_ratio_worst: self.safe_band.force_ratio_worst,
-            stable_one_one_hz: range(self.branch).into(),
+            safe_band_force_ratio_worst: self.safe_spread.map(|s| Some(s?.weakest_n / weight)),
+            stable_one_one_hz: self.branch.range().into(),
             stable_one_one_ends: [self.branch.low.end, self.branch.high.end],
-            robust_band_hz: self.robust.into(),
+            robust_band_hz: self.robust.hz.into(),
             period_doubling_hz: doubles.then_some(self.branch.high.frequency_hz),
-            multipliers: chosen.multipliers().modulus(),
+            multipliers: chosen.multiplier,
             multipliers_worst: spread.multiplier,
-            jump_free: self.jumps.is_empty(),
-            jump_free_in_safe_band: !self.jumps.iter().any(in_band),
-            jump_range_hz: self
-                .jumps
+            jump_free: jumps.is_empty(),
+            jump_free_in_safe_band: !jumps.iter().any(in_band),
+            jump_range_hz: jumps
                 .first()
-                .zip(self.jumps.last())
+                .zip(jumps.last())
                 .map(|(low, high)| [*low, *high]),
-            nominal_optimum_hz: self.nominal.frequency_hz,
-            nominal_optimum_force_ratio: self.nominal.force_n / weight,
-            impact_power_w: impact_power(chosen),
-            power_optimum_hz: self.power.frequency_hz,
-            power_optimum_w: impact_power(self.power),
+            nominal_optimum_hz: nominal.frequency_hz,
+            nominal_optimum_force_ratio: nominal.force_n / weight,
+            impact_power_w: chosen.impact_power_w,
+            power_optimum_hz: power.frequency_hz,
+            power_optimum_w: power.impact_power_w,
             force_ratio_at_natural_frequency: self.runs.force_ratio_at_natural,
-            shaker: shaker(self.rig, chosen),
-            shaker_force_at_optimum_n: Some(shaker_force(params, self.nominal)),
-            limits: self.choice.limits,
-            sensitivity: self.sensitivity,
+            shaker: self.runs.shaker,
+            shaker_force_at_optimum_n: Some(self.branch.case.shaker_force_n(&self.nominal)),
+            limits: self.choice.limits.clone(),
+            sensitivity: self.sensitivity.clone(),
             uncertainty: self.uncertainty,
             amplitude_mm: tidy(params.amplitude_m * 1e3),
             amplitude_lowered: false,
             wanted_force_n: None,
-            bending: self.bending.unwrap_or_else(|| Bending {
+            bending: self.bending.clone().unwrap_or_else(|| Bending {
                 on_beams: on_beams(params),
                 ..Bending::default()
             }),

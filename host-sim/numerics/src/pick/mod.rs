@@ -5,17 +5,20 @@
 //! 2. For every corner and sample of the stated uncertainty, find where *it* has a stable 1/1; keep the
 //!    frequencies at which all of them have ([`search`]).
 //! 3. On what is left, and within the limits asked for, take the largest nominal force.
+//!
+//! On ground that gives way the same steps lead to the largest rate of penetration ([`case`], [`crate::drill::pick`]).
 
-pub(crate) mod amplitude;
+mod amplitude;
 pub mod answer;
 pub mod bending;
+pub mod case;
 pub mod choose;
 pub mod follow;
-mod found;
+pub(crate) mod found;
 pub mod gaps;
 pub mod outline;
-mod robust;
-mod runs;
+pub mod robust;
+pub mod runs;
 pub mod search;
 pub mod sensitivity;
 
@@ -32,18 +35,14 @@ use crate::root::halved;
 use crate::row::{NamedRig, RunRow};
 use crate::sweep::spread;
 use crate::uncertainty::Uncertainty;
-use amplitude::{lowered, strongest};
-pub use answer::{PickAnswer, StrongestPoint};
-use answer::{impact_power, shaker_force};
+use amplitude::{best_within, lowered};
+pub use answer::{BestPoint, PickAnswer};
 pub use bending::Springs;
+use case::PickCase;
 use choose::PickField;
-use found::{PickParts, SafeBand};
-pub(crate) use robust::largest_share;
-use robust::robust_range;
-pub(crate) use robust::with_reserve;
-pub(crate) use runs::{JUMP_POINTS, JUMP_SHARE};
-use runs::{Jumps, Runs};
-use search::{interval_where, maximise};
+use found::PickParts;
+use robust::{robust_range, with_reserve};
+use runs::JUMP_POINTS;
 
 /// Force, as a share of the best, down to which the band reaches.
 pub const BAND_SHARE: f64 = 0.9;
@@ -100,8 +99,35 @@ pub fn pick_on(
     limits: PickLimits,
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
-    let limits = limits.with_shaker_of(&rig.params);
-    let found = pick_at_amplitude(rig, springs, uncertainty, limits, progress);
+    let request = PickRequest {
+        springs,
+        uncertainty,
+        limits,
+    };
+    Pick::of(pick_case(rig, &rig.params, request, progress)?)
+}
+
+/// What is asked of a pick.
+#[derive(Clone, Copy)]
+pub(crate) struct PickRequest {
+    /// Beam springs; of no account on wires and on ground.
+    pub(crate) springs: Springs,
+    /// How far the rig is unknown.
+    pub(crate) uncertainty: Option<Uncertainty>,
+    /// What must be kept.
+    pub(crate) limits: PickLimits,
+}
+
+/// The best frequency of a case. Where none keeps the limits of the shaker, the amplitude is lowered until one does.
+pub(crate) fn pick_case<C: PickCase>(
+    rig: &NamedRig,
+    case: &C,
+    request: PickRequest,
+    progress: &dyn Progress,
+) -> Result<(PickAnswer, PickParts<C>), Error> {
+    let limits = request.limits.with_shaker_of(&rig.params);
+    let request = PickRequest { limits, ..request };
+    let found = pick_at_amplitude(rig, case, request, progress);
     let Err(Error::Pick {
         what: PickError::Limits { .. },
         ..
@@ -109,14 +135,38 @@ pub fn pick_on(
     else {
         return found;
     };
-    let Some(lower) = lowered(rig, limits, progress) else {
+    let Some(lower) = lowered(rig, case, limits, progress) else {
         return found;
     };
-    let at_own = strongest(rig, limits.without_the_shaker(), progress);
-    let mut found = pick_at_amplitude(&lower, springs, uncertainty, limits, progress)?;
-    found.answer.amplitude_lowered = true;
-    found.answer.shaker_force_at_optimum_n = at_own.map(|orbit| shaker_force(&rig.params, &orbit));
-    Ok(found)
+    let at_own = best_within(rig, case, limits.without_the_shaker(), progress);
+    let there = case.with(&lower.params);
+    let (mut answer, parts) = pick_at_amplitude(&lower, &there, request, progress)?;
+    answer.amplitude_lowered = true;
+    answer.shaker_force_at_optimum_n = at_own.map(|orbit| case.shaker_force_n(&orbit));
+    Ok((answer, parts))
+}
+
+impl Pick {
+    fn of((answer, parts): (PickAnswer, PickParts<RigParams>)) -> Result<Self, Error> {
+        let params = &parts.rig.params;
+        let weight = params.weight_n();
+        let forces = if answer.uncertainty.is_some() {
+            parts.robust.force_range(&parts.curve)
+        } else {
+            Vec::new()
+        };
+        let over_weight = |[hz, low, high]: [f64; 3]| [hz, low / weight, high / weight];
+        let section = dimensionless_section(params, &parts.choice.orbit)?;
+        let curve = parts.curve.into_iter();
+        Ok(Self {
+            answer,
+            curve: curve.map(|(hz, force_n)| (hz, force_n / weight)).collect(),
+            force_range: forces.into_iter().map(over_weight).collect(),
+            up: parts.jumps.up,
+            down: parts.jumps.down,
+            section,
+        })
+    }
 }
 
 /// [`pick_on`] at the amplitude at which the nominal force at the operating point is `wanted_n`. What the shaker can give
@@ -133,6 +183,11 @@ pub fn pick_for_force(
 ) -> Result<Pick, Error> {
     let shaker = limits.with_shaker_of(&rig.params);
     let limits = limits.without_the_shaker();
+    let request = PickRequest {
+        springs,
+        uncertainty,
+        limits,
+    };
     let at = |amplitude_m: f64| {
         let mut there = rig.clone();
         there.params.amplitude_m = amplitude_m;
@@ -143,7 +198,7 @@ pub fn pick_for_force(
         check(progress)?;
         let there = at(amplitude_m);
         there.params.check().map_err(|_| none())?;
-        let orbit = strongest(&there, limits, progress);
+        let orbit = best_within(&there, &there.params, limits, progress);
         Ok::<_, Error>(orbit.map(|orbit| (orbit.force_n, amplitude_m)))
     };
     let from_m = amplitude::for_force(rig.params.amplitude_m, (wanted_n, 1e-6), nominal)?;
@@ -155,40 +210,44 @@ pub fn pick_for_force(
         first = false;
         let there = at(amplitude_m);
         there.params.check().map_err(|_| none())?;
-        let found = pick_at_amplitude(&there, springs, uncertainty, limits, progress)?;
-        Ok::<_, Error>(Some((found.answer.force_n, found)))
+        let found = pick_at_amplitude(&there, &there.params, request, progress)?;
+        Ok::<_, Error>(Some((found.0.force_n, found)))
     };
     let found = amplitude::for_force(from_m.ok_or_else(none)?, (wanted_n, 1e-4), whole)?;
-    let mut found = found.ok_or_else(none)?;
-    found.answer.wanted_force_n = Some(wanted_n);
+    let (mut answer, parts) = found.ok_or_else(none)?;
+    answer.wanted_force_n = Some(wanted_n);
     let shaker = PickLimits {
         max_force_n: None,
         max_frequency_hz: None,
         ..shaker
     };
-    found.answer.limits.extend(shaker.which_decide(|_| false));
-    Ok(found)
+    answer.limits.extend(shaker.which_decide(|_| false));
+    Pick::of((answer, parts))
 }
 
-fn pick_at_amplitude(
+fn pick_at_amplitude<C: PickCase>(
     rig: &NamedRig,
-    springs: Springs,
-    uncertainty: Option<Uncertainty>,
-    limits: PickLimits,
+    case: &C,
+    request: PickRequest,
     progress: &dyn Progress,
-) -> Result<Pick, Error> {
+) -> Result<(PickAnswer, PickParts<C>), Error> {
+    let PickRequest {
+        springs,
+        uncertainty,
+        limits,
+    } = request;
     let params = &rig.params;
-    params.check()?;
-    let own = || best_branch(rig);
-    let (branch, other) = rayon::join(own, || other_cart(rig, limits, progress));
+    case.check()?;
+    let within = WithinStep(progress);
+    let own = || case.best_branch(rig, &within);
+    let (branch, other) = rayon::join(own, || other_cart(rig, case, limits, &within));
     let branch = branch?;
     check(progress)?;
-    let force_at = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
-    let (_, nominal) =
-        maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
-    let power_at = |hz: f64| branch.at(hz).map(|o| (impact_power(&o), o));
-    let (_, strongest_power) =
-        maximise(&branch, range(&branch), power_at).ok_or_else(|| no_one_one(rig))?;
+    let range = branch.range();
+    let nominal = branch.best(range, |orbit| C::numbers_of(orbit).worth);
+    let nominal = nominal.ok_or_else(|| no_one_one(rig))?;
+    let power = branch.best(range, |orbit| C::numbers_of(orbit).impact_power_w);
+    let power = power.ok_or_else(|| no_one_one(rig))?;
 
     let certain = PickField {
         rig,
@@ -196,9 +255,9 @@ fn pick_at_amplitude(
         members: &[],
         progress,
     };
-    if certain.best(range(&branch), limits).is_none() {
+    if certain.best(range, limits).is_none() {
         check(progress)?;
-        return Err(certain.nothing(range(&branch), limits));
+        return Err(certain.nothing(range, limits));
     }
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
@@ -209,23 +268,24 @@ fn pick_at_amplitude(
         progress,
     };
     let mut choice = field.choose(robust.hz, limits)?;
-    let allowed = |chosen: &Orbit, limits_hz: (f64, f64)| {
-        let band = force_band(&branch, chosen);
+    let allowed = |chosen: &C::Orbit, limits_hz: (f64, f64)| {
+        let band = worth_band(&branch, chosen);
         (band.0.max(limits_hz.0), band.1.min(limits_hz.1))
     };
+    let chosen_hz = C::numbers_of(&choice.orbit).frequency_hz;
     let bent = bending::BendingRequest {
         params,
         springs,
         members: &members,
         corners: uncertainty.map_or(0, |u| u.corners().len()),
-        chosen_hz: choice.orbit.frequency_hz,
+        chosen_hz,
         kept_hz: with_reserve(robust.hz, !members.is_empty()),
         band_hz: allowed(&choice.orbit, choice.allowed),
         max_force_n: limits.max_force_n,
-    }
-    .run(progress)?;
+    };
+    let bent = case.bent(bent, progress)?;
     if let Some(bent) = &bent {
-        if bent.chosen_hz != choice.orbit.frequency_hz {
+        if bent.chosen_hz != chosen_hz {
             let moved = branch.at(bent.chosen_hz);
             choice.orbit = moved.ok_or_else(|| no_one_one(rig))?;
             choice.spread = field.spread(&choice.orbit)?;
@@ -233,98 +293,56 @@ fn pick_at_amplitude(
         let (low, high) = bent.band_hz;
         choice.allowed = (choice.allowed.0.max(low), choice.allowed.1.min(high));
     }
-    let jumps = Jumps::find(rig, &branch, progress)?;
-    let runs = Runs::of(params, uncertainty, &choice.orbit)?;
-    let sensitivity = sensitivity::table(params, &nominal);
-    let sensitivity = match &uncertainty {
-        None => sensitivity,
-        Some(u) => {
-            let known = sensitivity.into_iter();
-            let known = known.map(|row| row.known_to(u, &params.contact));
-            let mut rows: Vec<_> = known.collect();
-            sensitivity::compute_ranges(&mut rows, RANGES_COMPUTED, params, &nominal);
-            rows
-        }
-    };
-    let own = comparable(rig, &branch, limits, progress);
-    let chosen = StrongestPoint::of(&choice.orbit, params);
+    let jumps = C::jumps(rig, &branch, progress)?;
+    let runs = case.runs(&choice.orbit, uncertainty)?;
+    let sensitivity = case.sensitivity(&nominal, uncertainty);
+    let chosen = BestPoint::of(&C::numbers_of(&choice.orbit), params);
     // The very orbit chosen, unless uncertainty, shaker or bending modes leave less than the nominal rig could do.
-    let own = own.filter(|own| own.force_ratio > chosen.force_ratio * (1.0 + 1e-6));
+    let own = comparable(rig, &branch, limits, progress);
+    let own = own.filter(|own| own.worth > chosen.worth * (1.0 + 1e-6));
     let own = own.unwrap_or(chosen);
-    let band = force_band(&branch, &choice.orbit);
-    let (low, high) = allowed(&choice.orbit, choice.allowed);
-    let worst = |hz: f64| Some(field.weakest_at(hz)? / params.weight_n());
-    let safe_band = SafeBand {
-        hz: (low, high),
-        force_ratio_worst: [low, high].map(worst),
-    };
+    let band = worth_band(&branch, &choice.orbit);
+    let safe_band = allowed(&choice.orbit, choice.allowed);
+    let safe_spread = [safe_band.0, safe_band.1].map(|hz| field.spread_at(hz));
     step(progress, 1)?;
-
-    let curve = curve(params, &branch);
-    let weight = params.weight_n();
-    let in_newtons: Vec<_> = curve
-        .iter()
-        .map(|(hz, ratio)| (*hz, ratio * weight))
-        .collect();
-    let force_range = if members.is_empty() {
-        Vec::new()
-    } else {
-        let forces = robust.force_range(&in_newtons).into_iter();
-        forces
-            .map(|[hz, low, high]| [hz, low / weight, high / weight])
-            .collect()
-    };
-    let section = dimensionless_section(params, &choice.orbit)?;
-    let found = PickParts {
-        rig,
-        branch: &branch,
-        nominal: &nominal,
-        power: &strongest_power,
-        robust: robust.hz,
+    let parts = PickParts {
+        rig: rig.clone(),
+        curve: curve(&branch),
+        nominal,
+        power,
         band,
         safe_band,
+        safe_spread,
         own,
         other,
         choice,
-        jumps: &jumps.at_hz,
+        jumps,
         runs,
         sensitivity,
         uncertainty,
         bending: bent.map(|bent| bent.bending),
+        robust,
+        branch,
     };
-    Ok(Pick {
-        answer: found.answer(),
-        curve,
-        force_range,
-        up: jumps.up,
-        down: jumps.down,
-        section,
+    Ok((parts.answer(), parts))
+}
+
+/// Where the nominal 1/1 is worth at least [`BAND_SHARE`] of `chosen`, Hz.
+fn worth_band<C: PickCase>(branch: &Branch<C>, chosen: &C::Orbit) -> (f64, f64) {
+    let chosen = C::numbers_of(chosen);
+    branch.stretch(chosen.frequency_hz, branch.range(), |hz| {
+        let there = branch.at(hz).map(|orbit| C::numbers_of(&orbit));
+        there.is_some_and(|o| o.is_stable_one_one && o.worth >= BAND_SHARE * chosen.worth)
     })
 }
 
-/// Where the nominal 1/1 is stable, Hz.
-fn range(branch: &Branch) -> (f64, f64) {
-    (branch.low.frequency_hz, branch.high.frequency_hz)
-}
-
-/// Where the nominal 1/1 is stable and its force at least [`BAND_SHARE`] of that of `chosen`, Hz.
-fn force_band(branch: &Branch, chosen: &Orbit) -> (f64, f64) {
-    interval_where(branch, chosen.frequency_hz, range(branch), |hz| {
-        branch
-            .at(hz)
-            .is_some_and(|o| o.is_stable_one_one() && o.force_n >= BAND_SHARE * chosen.force_n)
-    })
-}
-
-/// The nominal stable 1/1: (Hz, force ratio), by rising frequency.
-fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
-    let (low, high) = range(branch);
+/// What the nominal stable 1/1 is worth: (Hz, worth), by rising frequency.
+fn curve<C: PickCase>(branch: &Branch<C>) -> Vec<(f64, f64)> {
+    let (low, high) = branch.range();
     let mut nodes = spread(low, high, CURVE_POINTS);
     nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
-    let weight = params.weight_n();
-    let on_curve = |hz: &f64| Some((*hz, branch.force_n_at(*hz)? / weight));
-    let found = parallel::map(&nodes, on_curve);
+    let found = parallel::map(&nodes, |hz| Some((*hz, C::drawn_at(branch, *hz)?)));
     found.into_iter().flatten().collect()
 }
 
@@ -336,37 +354,40 @@ fn dimensionless_section(params: &RigParams, orbit: &Orbit) -> Result<[f64; 2], 
 }
 
 /// [`comparable`] with the cart moved the other way. None where its shaker is not known, too.
-fn other_cart(
+fn other_cart<C: PickCase>(
     rig: &NamedRig,
+    case: &C,
     limits: PickLimits,
     progress: &dyn Progress,
-) -> Option<StrongestPoint> {
+) -> Option<BestPoint> {
     let other = if rig.params.cart.recoils() {
         rig.clone().prescribed()
     } else {
         rig.recoiling()?
     };
-    let branch = best_branch(&other).ok()?;
-    comparable(&other, &branch, limits, progress)
+    let branch = case.with(&other.params).best_branch(&other, progress);
+    comparable(&other, &branch.ok()?, limits, progress)
 }
 
-/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the shaker's force.
+/// Where the nominal `rig` is best within those of `limits` that both carts have: all but the shaker's force.
 /// None if no stable 1/1 is within them.
-fn comparable(
+fn comparable<C: PickCase>(
     rig: &NamedRig,
-    branch: &Branch,
+    branch: &Branch<C>,
     limits: PickLimits,
     progress: &dyn Progress,
-) -> Option<StrongestPoint> {
+) -> Option<BestPoint> {
     let field = PickField {
         rig,
         branch,
         members: &[],
         progress,
     };
-    let orbit = field.choose(range(branch), limits.without_the_shaker());
-    let orbit = orbit.ok()?.orbit;
-    Some(StrongestPoint::of(&orbit, &rig.params))
+    let orbit = field.choose(branch.range(), limits.without_the_shaker());
+    Some(BestPoint::of(
+        &C::numbers_of(&orbit.ok()?.orbit),
+        &rig.params,
+    ))
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.

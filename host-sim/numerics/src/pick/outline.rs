@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::search::maximise;
-use super::{BAND_SHARE, best_branch, force_band, no_one_one, range};
+use super::{BAND_SHARE, best_branch, no_one_one, worth_band};
 use crate::branch::BranchEnd;
 use crate::error::Error;
 use crate::row::NamedRig;
@@ -40,9 +39,8 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
     let params = &rig.params;
     params.check()?;
     let branch = best_branch(rig)?;
-    let force_at = |hz: f64| branch.at(hz).map(|orbit| (orbit.force_n, orbit));
-    let (_, strongest) =
-        maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
+    let strongest = branch.best(branch.range(), |orbit| orbit.force_n);
+    let strongest = strongest.ok_or_else(|| no_one_one(rig))?;
     Ok(Outline {
         rig: rig.name.clone(),
         nominal_optimum_hz: strongest.frequency_hz,
@@ -50,8 +48,8 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
         nominal_optimum_force_ratio: strongest.force_n / params.weight_n(),
         force_n: strongest.force_n,
         band_share: BAND_SHARE,
-        band_hz: force_band(&branch, &strongest).into(),
-        stable_one_one_hz: range(&branch).into(),
+        band_hz: worth_band(&branch, &strongest).into(),
+        stable_one_one_hz: branch.range().into(),
         stable_one_one_ends: [branch.low.end, branch.high.end],
     })
 }

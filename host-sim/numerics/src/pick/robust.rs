@@ -1,7 +1,9 @@
 //! Where 1/1 is stable over the whole uncertainty, and how much less uncertainty would do where it is nowhere.
 
-use super::follow::{Followed, across, along, nodes};
-use super::range;
+use shared::model::params::RigParams;
+
+use super::case::PickCase;
+use super::follow::{across, along, nodes};
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
@@ -9,19 +11,6 @@ use crate::parallel;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
 use crate::uncertainty::Member;
-
-/// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
-fn robust_share(
-    rig: &NamedRig,
-    members: &[Member],
-    branch: &Branch,
-    nominal: &Orbit,
-    progress: &dyn Progress,
-) -> Option<f64> {
-    largest_share(members, |smaller| {
-        common_range(rig, smaller, branch, nominal, &WithinStep(progress)).is_some()
-    })
-}
 
 /// The largest share of the deviations of `members` at which they are `robust`, in hundredths. None if there is none.
 pub(crate) fn largest_share(members: &[Member], robust: impl Fn(&[Member]) -> bool) -> Option<f64> {
@@ -60,11 +49,11 @@ pub(crate) fn with_reserve(robust: (f64, f64), uncertain: bool) -> (f64, f64) {
 }
 
 /// Where every member has a stable 1/1.
-pub(super) struct Robust {
+pub struct Robust<C: PickCase = RigParams> {
     /// Hz.
-    pub(super) hz: (f64, f64),
+    pub hz: (f64, f64),
     /// The members, and what is known of their orbits there.
-    pub(super) members: Vec<Followed>,
+    pub members: Vec<C::Followed>,
 }
 
 impl Robust {
@@ -85,19 +74,20 @@ impl Robust {
 }
 
 /// The frequencies at which every member has a stable 1/1.
-pub(super) fn robust_range(
+pub(super) fn robust_range<C: PickCase>(
     rig: &NamedRig,
     members: &[Member],
-    branch: &Branch,
-    nominal: &Orbit,
+    branch: &Branch<C>,
+    nominal: &C::Orbit,
     progress: &dyn Progress,
-) -> Result<Robust, Error> {
-    let common = common_range(rig, members, branch, nominal, progress);
+) -> Result<Robust<C>, Error> {
+    let common = C::common_range(branch, members, nominal, progress);
     check(progress)?;
     common.ok_or_else(|| {
-        rig.no_pick(PickError::NoneRobust {
-            share: robust_share(rig, members, branch, nominal, progress),
-        })
+        let within = WithinStep(progress);
+        let robust = |smaller: &[_]| C::common_range(branch, smaller, nominal, &within).is_some();
+        let share = largest_share(members, robust);
+        rig.no_pick(PickError::NoneRobust { share })
     })
 }
 
@@ -105,19 +95,18 @@ pub(super) fn robust_range(
 const FIRST_BLOCK: usize = 8;
 const BLOCK: usize = 32;
 
-/// The same; none if there is no such frequency, or the work is interrupted.
+/// [`PickCase::common_range`].
 ///
 /// Each block of members is followed within what the blocks before it have left: few rigs bound the range (mostly corners,
 /// which come first), and the ends of the others' branches beyond it need not be found.
-fn common_range(
-    rig: &NamedRig,
+pub(super) fn common_range(
     members: &[Member],
     branch: &Branch,
     nominal: &Orbit,
     progress: &dyn Progress,
 ) -> Option<Robust> {
-    let params = &rig.params;
-    let mut common = range(branch);
+    let params = &branch.case;
+    let mut common = branch.range();
     let mut known = Vec::with_capacity(members.len());
     let (first, others) = members.split_at(members.len().min(FIRST_BLOCK));
     for members in std::iter::once(first).chain(others.chunks(BLOCK)) {
@@ -168,7 +157,6 @@ mod tests {
             cart: CartDrive::Loop(ASSUMED_SHAKER),
             ..WIRES
         };
-        let rig = NamedRig::new("wires", params);
         let uncertainty = Uncertainty {
             samples: 6,
             ..Uncertainty::usual(true)
@@ -176,12 +164,12 @@ mod tests {
         let members: Vec<_> = uncertainty.members().into_iter().rev().take(20).collect();
         let branch = one_one_branches(&params, (1.0, 3.0)).swap_remove(0);
         let nominal = branch.at(3.4).unwrap();
-        let found = common_range(&rig, &members, &branch, &nominal, &()).unwrap();
+        let found = common_range(&members, &branch, &nominal, &()).unwrap();
         let whole = members
             .iter()
-            .map(|m| own_branch(&params, m, &branch, 3.4, range(&branch)).unwrap())
+            .map(|m| own_branch(&params, m, &branch, 3.4, branch.range()).unwrap())
             .collect::<Vec<_>>();
-        let ends = whole.iter().map(range);
+        let ends = whole.iter().map(Branch::range);
         let (low, high) = ends.fold((0.0_f64, f64::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
         let off = (found.hz.0 - low).abs().max((found.hz.1 - high).abs());
         assert!(off < 2e-6 * (high - low), "{:?} {low} {high}", found.hz);

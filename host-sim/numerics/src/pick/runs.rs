@@ -3,8 +3,8 @@
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use super::range;
-use crate::branch::{Branch, BranchEnd, settle};
+use super::answer::{ShakerNeed, shaker};
+use crate::branch::{Branch, BranchEdge, BranchEnd, Case, settle};
 use crate::engine::{Arrival, Engine, Plan, STILL, Start, machine, within_reach};
 use crate::error::Error;
 use crate::orbit::Orbit;
@@ -32,13 +32,13 @@ const JUMP_PLAN: Plan = Plan {
 };
 
 /// Where the hammer jumps.
-pub(super) struct Jumps {
-    /// The sweep up across the nominal stable 1/1.
-    pub(super) up: Vec<RunRow>,
+pub struct Jumps {
+    /// The sweep up across the nominal stable 1/1; empty on ground.
+    pub up: Vec<RunRow>,
     /// The sweep down.
-    pub(super) down: Vec<RunRow>,
+    pub down: Vec<RunRow>,
     /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
-    pub(super) at_hz: Vec<f64>,
+    pub at_hz: Vec<f64>,
 }
 
 impl Jumps {
@@ -47,23 +47,34 @@ impl Jumps {
         branch: &Branch,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let (low, high) = range(branch);
-        let margin = 0.02 * rig.params.natural_frequency_hz();
-        let frequencies = spread(low - margin, high + margin, JUMP_POINTS);
+        let frequencies = across(branch);
         let run = |hz: &f64, start| drawn(rig, *hz, start, JUMP_PLAN, progress);
         let one_way = |direction| along(&frequencies, direction, run);
         let (up, down) = rayon::join(|| one_way(Direction::Up), || one_way(Direction::Down));
         let (up, down) = (up?, down?);
-        // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
-        let mut at_hz = jumps(&up, &down, rig.params.weight_n(), JUMP_SHARE);
-        at_hz.retain(|hz| (low..=high).contains(hz));
-        // Past a fold there is no 1/1 nearby to go over to.
-        let ends = [branch.low, branch.high].into_iter();
-        let folds = ends.filter(|edge| edge.end == BranchEnd::Fold);
-        at_hz.extend(folds.map(|edge| edge.frequency_hz));
-        at_hz.sort_by(f64::total_cmp);
+        let differ = jumps(&up, &down, rig.params.weight_n(), JUMP_SHARE);
+        let at_hz = judged(differ, branch);
         Ok(Self { up, down, at_hz })
     }
+}
+
+/// The frequencies of the jump test, Hz.
+pub(crate) fn across<C: Case>(branch: &Branch<C>) -> Vec<f64> {
+    let (low, high) = branch.range();
+    let margin = 0.02 * branch.case.params().natural_frequency_hz();
+    spread(low - margin, high + margin, JUMP_POINTS)
+}
+
+/// [`Jumps::at_hz`], where the sweeps `differ`. Beyond the ends of the stable 1/1 they are drawn, and not judged.
+pub(crate) fn judged<C: Case>(mut differ: Vec<f64>, branch: &Branch<C>) -> Vec<f64> {
+    let (low, high) = branch.range();
+    differ.retain(|hz| (low..=high).contains(hz));
+    // Past a fold there is no 1/1 nearby to go over to.
+    let ends = [branch.low, branch.high].into_iter();
+    let folds = ends.filter(|edge| edge.end == BranchEnd::Fold);
+    differ.extend(folds.map(|edge: BranchEdge| edge.frequency_hz));
+    differ.sort_by(f64::total_cmp);
+    differ
 }
 
 /// [`Runs::settling_cycles`].
@@ -88,20 +99,26 @@ fn settling_cycles(params: &RigParams, chosen: &Orbit) -> Result<Option<u32>, Er
 }
 
 /// What settled runs show.
-pub(super) struct Runs {
+pub struct Runs {
     /// Force ratio from rest at the natural frequency.
-    pub(super) force_ratio_at_natural: f64,
+    pub force_ratio_at_natural: f64,
     /// Regime from rest at the operating frequency.
-    pub(super) from_rest: Regime,
+    pub from_rest: Regime,
     /// Regime of a run that starts on the orbit picked.
-    pub(super) on_orbit: Regime,
+    pub on_orbit: Regime,
     /// Drive periods after which a run from rest stays within [`SETTLED_SHARE`] of the force of the orbit picked; none if
     /// it does not get there.
-    pub(super) settling_cycles: Option<u32>,
+    pub settling_cycles: Option<u32>,
     /// Corners of the uncertainty.
-    pub(super) corners: usize,
+    pub corners: usize,
     /// How many of them settle on 1/1 from rest.
-    pub(super) corners_reaching: usize,
+    pub corners_reaching: usize,
+    /// Speed at which the hammer meets the surface on the orbit picked, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// How long it stays, s.
+    pub contact_s: f64,
+    /// What the shaker must give for the orbit picked.
+    pub shaker: ShakerNeed,
 }
 
 impl Runs {
@@ -127,6 +144,9 @@ impl Runs {
             on_orbit: on_orbit.regime,
             corners: corners.len(),
             corners_reaching: reaching.iter().filter(|reaches| **reaches).count(),
+            approach_speed_m_per_s: chosen.contact.approach_speed_m_per_s,
+            contact_s: chosen.contact.duration_s,
+            shaker: shaker(params, chosen),
         })
     }
 }

@@ -1,17 +1,12 @@
-//! The search itself: the best frequency on the nominal branch that every member of the uncertainty and
-//! every limit allows.
+//! The rigs of the uncertainty beside the nominal one: their orbits, and what they spread over.
 
 use shared::model::params::RigParams;
 
-use super::follow::Followed;
+use super::case::{OrbitNumbers, PickCase};
 use crate::branch::Branch;
 use crate::orbit::{Orbit, shoot_at};
 use crate::parallel;
-use crate::root::{largest, stretch};
 use crate::uncertainty::Member;
-
-/// Frequencies are found to this share of themselves.
-pub const FREQUENCY_TOLERANCE: f64 = 1e-7;
 
 /// The 1/1 orbit of `member` at `frequency_hz`, followed from the nominal `orbit` there while the
 /// deviations grow from none to all.
@@ -61,24 +56,26 @@ pub fn own_branch(
     Some(Branch::follow(&rig, seed, limits_hz))
 }
 
-/// Forces of the nominal `orbit` and of every member at its frequency. `None` if a member has no stable
-/// 1/1 there.
-pub fn spread_of_members(
-    nominal: &RigParams,
-    members: &[Followed],
-    orbit: &Orbit,
-) -> Option<ForceSpread> {
-    let own = ForceSpread::of(orbit, None);
-    let followed = parallel::map_all(members, |member| member.stable_at(nominal, orbit))?;
+/// What the nominal `orbit` and every member at its frequency are worth. `None` if a member has no stable 1/1 there.
+pub fn spread_of_members<C: PickCase>(
+    nominal: &C,
+    members: &[C::Followed],
+    orbit: &C::Orbit,
+) -> Option<Spread> {
+    let own = Spread::of(&C::numbers_of(orbit), None);
+    let of_member = |member: &C::Followed| Some(C::numbers_of(&nominal.stable_at(member, orbit)?));
+    let followed = parallel::map_all(members, of_member)?;
     let spreads = followed.iter().enumerate();
-    Some(spreads.fold(own, |all, (i, orbit)| {
-        all.with(ForceSpread::of(orbit, Some(i)))
-    }))
+    Some(spreads.fold(own, |all, (i, orbit)| all.with(Spread::of(orbit, Some(i)))))
 }
 
-/// Smallest and largest force (N) and largest multiplier over members.
+/// Smallest and largest values over members.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceSpread {
+pub struct Spread {
+    /// Smallest worth ([`super::case::OrbitNumbers`]).
+    pub least: f64,
+    /// Largest worth.
+    pub most: f64,
     /// Smallest force, N.
     pub weakest_n: f64,
     /// Largest force, N.
@@ -89,13 +86,15 @@ pub struct ForceSpread {
     pub multiplier: f64,
 }
 
-impl ForceSpread {
-    fn of(orbit: &Orbit, member: Option<usize>) -> Self {
+impl Spread {
+    fn of(orbit: &OrbitNumbers, member: Option<usize>) -> Self {
         Self {
+            least: orbit.worth,
+            most: orbit.worth,
             weakest_n: orbit.force_n,
             strongest_n: orbit.force_n,
             strongest: member,
-            multiplier: orbit.multipliers().modulus(),
+            multiplier: orbit.multiplier,
         }
     }
 
@@ -108,6 +107,8 @@ impl ForceSpread {
             self
         };
         Self {
+            least: self.least.min(other.least),
+            most: self.most.max(other.most),
             weakest_n: self.weakest_n.min(other.weakest_n),
             strongest_n: stronger.strongest_n,
             strongest: stronger.strongest,
@@ -116,32 +117,12 @@ impl ForceSpread {
     }
 }
 
-/// The frequency in `within_hz` at which `value` is largest ([`largest`]).
-pub fn maximise<T>(
-    branch: &Branch,
-    within_hz: (f64, f64),
-    value: impl Fn(f64) -> Option<(f64, T)>,
-) -> Option<(f64, T)> {
-    let tolerance = FREQUENCY_TOLERANCE * within_hz.1;
-    largest(branch.frequencies(), within_hz, tolerance, value)
-}
-
-/// The interval about `from_hz`, inside `within_hz`, on which `holds` is true ([`stretch`]).
-pub fn interval_where(
-    branch: &Branch,
-    from_hz: f64,
-    within_hz: (f64, f64),
-    holds: impl Fn(f64) -> bool,
-) -> (f64, f64) {
-    let width = FREQUENCY_TOLERANCE * from_hz;
-    stretch(branch.frequencies(), from_hz, within_hz, width, holds)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::branch::one_one_branches;
     use crate::orbit::shoot;
+    use crate::pick::follow::Followed;
     use crate::uncertainty::Uncertainty;
     use shared::model::params::WIRES;
 
@@ -151,7 +132,7 @@ mod tests {
         // A made-up value with its top at 3.0 Hz.
         let value = |hz: f64| Some((-(hz - 3.0).powi(2), hz));
         let at = |range, value: &dyn Fn(f64) -> Option<(f64, f64)>| {
-            maximise(branch, range, value).map(|(hz, _)| hz)
+            branch.largest(range, value).map(|(hz, _)| hz)
         };
         assert!((at((2.2, 4.5), &value).unwrap() - 3.0).abs() < 1e-6);
         assert!((at((3.3, 4.5), &value).unwrap() - 3.3).abs() < 1e-6);
@@ -165,7 +146,7 @@ mod tests {
     #[test]
     fn an_interval_ends_where_its_condition_does() {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
-        let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz > 2.6);
+        let (low, high) = branch.stretch(3.0, (2.2, 4.0), |hz| hz > 2.6);
         assert!((low - 2.6).abs() < 1e-6, "{low}");
         assert_eq!(high, 4.0);
     }
@@ -210,7 +191,9 @@ mod tests {
 
     #[test]
     fn the_strongest_of_two_is_the_same_in_either_order_and_the_first_of_equals() {
-        let of = |force: f64, strongest| ForceSpread {
+        let of = |force: f64, strongest| Spread {
+            least: force,
+            most: force,
             weakest_n: force,
             strongest_n: force,
             strongest,
@@ -218,7 +201,9 @@ mod tests {
         };
         let (soft, hard) = (of(2.0, Some(0)), of(4.0, Some(1)));
         for both in [soft.with(hard), hard.with(soft)] {
-            let expected = ForceSpread {
+            let expected = Spread {
+                least: 2.0,
+                most: 4.0,
                 weakest_n: 2.0,
                 strongest_n: 4.0,
                 strongest: Some(1),
@@ -239,7 +224,7 @@ mod tests {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
         let orbit = branch.at(3.0).unwrap();
         let alone = spread_of_members(&WIRES, &[], &orbit).unwrap();
-        assert_eq!(alone, ForceSpread::of(&orbit, None));
+        assert_eq!(alone, Spread::of(&RigParams::numbers_of(&orbit), None));
         let members = by_amplitude();
         let unfollowed: Vec<_> = members.iter().map(|m| Followed::from(*m)).collect();
         let spread = spread_of_members(&WIRES, &unfollowed, &orbit).unwrap();
@@ -305,7 +290,7 @@ mod tests {
         let limits = (between(1), between(orbits.len() - 3));
         let middle = 0.5 * (limits.0 + limits.1);
         let inside = |hz: f64| limits.0 <= hz && hz <= limits.1;
-        assert_eq!(interval_where(branch, middle, limits, inside), limits);
+        assert_eq!(branch.stretch(middle, limits, inside), limits);
     }
 
     #[test]
@@ -329,10 +314,10 @@ mod tests {
                     (),
                 ))
             };
-            let (found, ()) = maximise(branch, (low, high), value).unwrap();
+            let (found, ()) = branch.largest((low, high), value).unwrap();
             assert!((found - node).abs() < 1e-6, "{found} for {node}");
         }
-        let (found, ()) = maximise(branch, (low, high), |_| Some((1.0, ()))).unwrap();
+        let (found, ()) = branch.largest((low, high), |_| Some((1.0, ()))).unwrap();
         assert_eq!(found, low);
     }
 
@@ -353,7 +338,7 @@ mod tests {
     #[test]
     fn an_interval_ends_above_where_its_condition_does() {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
-        let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz < 3.4);
+        let (low, high) = branch.stretch(3.0, (2.2, 4.0), |hz| hz < 3.4);
         assert_eq!(low, 2.2);
         assert!((high - 3.4).abs() < 1e-6, "{high}");
     }

@@ -5,7 +5,7 @@ use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
-use crate::branch::{beside, place};
+use crate::branch::{Case, beside};
 use crate::interpolation::around;
 use crate::orbit::{Orbit, shoot_at};
 use crate::parallel;
@@ -405,7 +405,7 @@ fn force_beside(rig: &RigParams, known: &mut Vec<Orbit>, hz: f64) -> Option<f64>
         return Some(known.force_n);
     }
     let near = around(known, hz, 2, |o| o.frequency_hz);
-    let near: Vec<_> = near.iter().map(place).collect();
+    let near: Vec<_> = near.iter().map(RigParams::place).collect();
     let found = shoot_at(rig, hz, beside(&near, hz), 1).filter(Orbit::is_stable_one_one)?;
     let force_n = found.force_n;
     known.insert(above, found);

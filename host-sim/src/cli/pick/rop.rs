@@ -14,7 +14,7 @@ use files::table::{Selection, to_csv};
 use files::words::digits::{decimals, significant};
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::drill::pick::{DrillPickRequest, RopPick, STEPS, pick_rop};
+use numerics::drill::pick::{DrillPickRequest, RopPick, pick_rop};
 use plot::chart::Chart;
 
 /// Picks and answers.
@@ -23,7 +23,7 @@ pub fn run(
     request: &DrillPickRequest,
     output: &OutputArgs,
 ) -> Result<(), UserError> {
-    let progress = ProgressLine::new("steps", STEPS, output.quiet);
+    let progress = ProgressLine::new("rigs and runs", request.steps(), output.quiet);
     let pick = pick_rop(rig, request, &progress)?;
     progress.finish();
     let value = Worded {
@@ -356,35 +356,30 @@ fn force_optimum(pick: &RopPick) -> String {
 
 fn cart(pick: &RopPick) -> String {
     let (a, g) = (&pick.answer, &pick.ground);
-    let (own, other, at, value) = match a.cart {
-        CartModel::Recoil => (
-            "recoils",
-            "if it kept to its course",
-            a.prescribed_frequency_hz,
-            g.prescribed_rate_um_per_s,
-        ),
+    let recoil = (a.recoil_frequency_hz, g.recoil_rate_um_per_s);
+    let prescribed = (a.prescribed_frequency_hz, g.prescribed_rate_um_per_s);
+    let (moves, otherwise, (_, own), (at, value)) = match a.cart {
+        CartModel::Recoil => ("recoils", "if it kept to its course", recoil, prescribed),
         CartModel::Prescribed => (
             "moves as prescribed",
             "if it recoiled under its shaker",
-            a.recoil_frequency_hz,
-            g.recoil_rate_um_per_s,
+            prescribed,
+            recoil,
         ),
     };
-    let (Some(at), Some(value)) = (at, value) else {
-        return format!("{own}; the other is not known");
+    let (Some(own), Some(at), Some(value)) = (own, at, value) else {
+        return format!("{moves}; the other is not known");
     };
-    // The other cart's rate is the nominal rig's without limits: so is what it is compared with.
-    let unlimited = g.nominal_optimum_rate_um_per_s;
-    let more = 100.0 * (value / unlimited - 1.0);
-    let against = match unlimited > g.rate_of_penetration_um_per_s * (1.0 + 1e-6) {
+    let more = 100.0 * (value / own - 1.0);
+    let against = match own > g.rate_of_penetration_um_per_s * (1.0 + 1e-6) {
         true => format!(
-            " against {} of this cart, both nominal and without limits",
-            rate(pick, unlimited)
+            " against {} of this cart, both nominal and without a limit of the shaker",
+            rate(pick, own)
         ),
         false => String::new(),
     };
     format!(
-        "{own}; {other}, {} µm/s at {} Hz ({more:+.0} %{against})",
+        "{moves}; {otherwise}, {} µm/s at {} Hz ({more:+.0} %{against})",
         rate(pick, value),
         hz(pick, at)
     )

@@ -50,7 +50,7 @@ pub struct OnGround {
     pub force_optimum_hz: Option<f64>,
     /// Rate of penetration there, µm/s; none where it is no stable 1/1 on this ground.
     pub force_optimum_rate_um_per_s: Option<f64>,
-    /// Largest rate with a cart that recoils, µm/s: of this answer, or the other cart's own; its frequency is
+    /// Largest rate with a cart that recoils, nominal and without a limit of the shaker, µm/s; its frequency is
     /// `recoil_frequency_hz`.
     pub recoil_rate_um_per_s: Option<f64>,
     /// The same with the cart as prescribed; its frequency is `prescribed_frequency_hz`.

@@ -7,11 +7,9 @@ use shared::model::slider::Slider;
 use super::super::orbit::{DrillOrbit, shoot};
 use super::super::run::{observe, settle};
 use super::observe::on;
-use crate::branch::{BranchEdge, BranchEnd, beside};
-use crate::found_once::FoundOnce;
-use crate::interpolation::{around, polynomial};
+use crate::branch::{Branch, BranchEdge, BranchEnd, Case};
+use crate::interpolation::polynomial;
 use crate::orbit::Section;
-use crate::root::{largest, stretch};
 
 /// Steps along the branch, as a share of the natural frequency.
 const STEP: f64 = 0.02;
@@ -38,111 +36,44 @@ pub struct DrillCase {
 }
 
 impl DrillCase {
-    /// The 1/1 near `guess` at `hz`, if it is stable.
-    pub fn one_one(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
-        let found = self.orbit(hz, guess)?;
-        found.is_stable_one_one().then_some(found)
-    }
-
     /// The period-one orbit near `guess` at `hz`.
     pub fn orbit(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
         shoot(&self.params, &self.ground, self.bit.as_ref(), hz, guess)
     }
 }
 
-fn place(orbit: &DrillOrbit) -> (f64, Section) {
-    (orbit.frequency_hz, orbit.section)
-}
+impl Case for DrillCase {
+    type Orbit = DrillOrbit;
 
-/// A stretch of stable 1/1 orbits, by rising frequency.
-#[derive(Clone, Debug)]
-pub struct GroundBranch {
-    case: DrillCase,
-    /// Orbits along it, the ends included.
-    pub orbits: Vec<DrillOrbit>,
-    /// Its lower end.
-    pub low: BranchEdge,
-    /// Its upper end.
-    pub high: BranchEdge,
-    /// Orbits found between.
-    between: FoundOnce<DrillOrbit>,
-}
-
-impl GroundBranch {
-    /// Follows the 1/1 `seed` both ways within `limits_hz`.
-    pub fn follow(case: DrillCase, seed: DrillOrbit, limits_hz: (f64, f64)) -> Self {
-        let (mut orbits, low) = follow(&case, seed, limits_hz.0);
-        orbits.reverse();
-        orbits.pop();
-        let (up, high) = follow(&case, seed, limits_hz.1);
-        orbits.extend(up);
-        Self {
-            case,
-            orbits,
-            low,
-            high,
-            between: FoundOnce::default(),
-        }
+    fn params(&self) -> &RigParams {
+        &self.params
     }
 
-    /// Where it is stable, Hz.
-    pub fn range(&self) -> (f64, f64) {
-        (self.low.frequency_hz, self.high.frequency_hz)
+    fn one_one(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
+        let found = self.orbit(hz, guess)?;
+        found.is_stable_one_one().then_some(found)
     }
 
-    /// The orbit at `hz`.
-    pub fn at(&self, hz: f64) -> Option<DrillOrbit> {
-        let near = around(&self.orbits, hz, 2, |o| o.frequency_hz);
-        if let Some(known) = near.iter().find(|o| o.frequency_hz == hz) {
-            return Some(*known);
-        }
-        let near: Vec<_> = near.iter().map(place).collect();
-        let find = || self.case.one_one(hz, beside(&near, hz));
-        self.between.at(hz, find)
+    fn place(orbit: &DrillOrbit) -> (f64, Section) {
+        (orbit.frequency_hz, orbit.section)
     }
 
-    /// The orbit in `range_hz` with the largest `value`, which is None where it is not allowed.
-    pub fn best(
-        &self,
-        range_hz: (f64, f64),
-        value: impl Fn(&DrillOrbit) -> Option<f64>,
-    ) -> Option<DrillOrbit> {
-        if range_hz.0 > range_hz.1 {
-            return None;
-        }
-        let worth = |hz: f64| {
-            let orbit = self.at(hz)?;
-            Some((value(&orbit)?, orbit))
-        };
-        let found = largest(self.frequencies(), range_hz, self.resolution(), worth)?;
-        Some(found.1)
-    }
-
-    /// How far the stretch about `from_hz` goes, within `range_hz`, on which `holds`.
-    pub fn interval(
-        &self,
-        from_hz: f64,
-        range_hz: (f64, f64),
-        holds: impl Fn(f64) -> bool,
-    ) -> (f64, f64) {
-        let nodes = self.frequencies();
-        stretch(nodes, from_hz, range_hz, self.resolution(), holds)
-    }
-
-    /// The frequencies of its orbits, Hz, rising.
-    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
-        self.orbits.iter().map(|o| o.frequency_hz)
-    }
-
-    fn resolution(&self) -> f64 {
-        END * self.case.params.natural_frequency_hz()
+    fn resolution_hz(&self, _: f64) -> f64 {
+        END * self.params.natural_frequency_hz()
     }
 }
 
-/// Orbits from `seed` to where the stable 1/1 ends or to `limit_hz`, `seed` first.
-fn follow(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, BranchEdge) {
+/// The stretch of stable 1/1 about `seed`, within `limits_hz`.
+pub fn follow(case: DrillCase, seed: DrillOrbit, limits_hz: (f64, f64)) -> Branch<DrillCase> {
+    let down = follow_to(&case, seed, limits_hz.0);
+    let up = follow_to(&case, seed, limits_hz.1);
+    Branch::new(case, down, seed, up)
+}
+
+/// Orbits from `seed` (not included) to where the stable 1/1 ends or to `limit_hz`.
+fn follow_to(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, BranchEdge) {
     let natural_hz = case.params.natural_frequency_hz();
-    let mut orbits = vec![seed];
+    let mut orbits = Vec::new();
     let mut step = STEP * natural_hz;
     let mut last = seed;
     let ahead = (limit_hz - seed.frequency_hz).signum();
@@ -160,7 +91,8 @@ fn follow(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>
         } else {
             last.frequency_hz + ahead * step
         };
-        let before: Vec<_> = orbits.iter().rev().take(3).map(place).collect();
+        let before = orbits.iter().rev().chain([&seed]).take(3);
+        let before: Vec<_> = before.map(DrillCase::place).collect();
         match case.one_one(hz, polynomial(&before, hz)) {
             Some(next) => {
                 orbits.push(next);

@@ -6,8 +6,10 @@ use shared::model::slider::Slider;
 
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
-use super::branch::{DrillCase, GroundBranch};
+use super::branch::DrillCase;
+use crate::branch::{Branch, Case};
 use crate::parallel;
+use crate::progress::{Progress, check, step};
 use crate::root::narrowed;
 use crate::uncertainty::{Member, Uncertainty};
 
@@ -58,117 +60,71 @@ pub fn apply(nominal: &DrillCase, member: &Member, share: f64) -> DrillCase {
     }
 }
 
-/// What is spread over the uncertainty at a frequency.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrillSpread {
-    /// Smallest rate of penetration, m/s.
-    pub least_m_per_s: f64,
-    /// Largest rate of penetration, m/s.
-    pub most_m_per_s: f64,
-    /// Smallest contact force, N.
-    pub weakest_n: f64,
-    /// Largest contact force, N.
-    pub strongest_n: f64,
-    /// Largest modulus of a multiplier.
-    pub multiplier: f64,
+/// The stable 1/1 of `member` at the frequency of the nominal `orbit`, followed from it while the deviations grow.
+pub fn followed(nominal: &DrillCase, member: &Member, orbit: &DrillOrbit) -> Option<DrillOrbit> {
+    let hz = orbit.frequency_hz;
+    if let Some(found) = apply(nominal, member, 1.0).one_one(hz, orbit.section) {
+        return Some(found);
+    }
+    let mut found = *orbit;
+    for step in 1..=STEPS {
+        let there = apply(nominal, member, f64::from(step) / f64::from(STEPS));
+        found = there.orbit(hz, found.section)?;
+    }
+    found.is_stable_one_one().then_some(found)
 }
 
-impl DrillSpread {
-    fn of(orbit: &DrillOrbit) -> Self {
-        let rate = orbit.rate_m_per_s();
-        Self {
-            least_m_per_s: rate,
-            most_m_per_s: rate,
-            weakest_n: orbit.force_n,
-            strongest_n: orbit.force_n,
-            multiplier: orbit.multipliers().modulus(),
-        }
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            least_m_per_s: self.least_m_per_s.min(other.least_m_per_s),
-            most_m_per_s: self.most_m_per_s.max(other.most_m_per_s),
-            weakest_n: self.weakest_n.min(other.weakest_n),
-            strongest_n: self.strongest_n.max(other.strongest_n),
-            multiplier: self.multiplier.max(other.multiplier),
-        }
-    }
+fn has(branch: &Branch<DrillCase>, member: &Member, hz: f64) -> bool {
+    let orbit = branch.at(hz);
+    orbit.is_some_and(|orbit| followed(&branch.case, member, &orbit).is_some())
 }
 
-/// The nominal branch and everything that the real rig and ground may be.
-#[derive(Clone, Copy)]
-pub struct Crowd<'a> {
-    /// Nominal.
-    pub case: &'a DrillCase,
-    /// Its stable 1/1.
-    pub branch: &'a GroundBranch,
-    /// The members.
-    pub members: &'a [Member],
-}
-
-impl Crowd<'_> {
-    /// The stable 1/1 of `member` at the frequency of the nominal `orbit`, followed from it while the deviations grow.
-    fn follow(&self, member: &Member, orbit: &DrillOrbit) -> Option<DrillOrbit> {
-        let hz = orbit.frequency_hz;
-        if let Some(found) = apply(self.case, member, 1.0).one_one(hz, orbit.section) {
-            return Some(found);
-        }
-        let mut found = *orbit;
-        for step in 1..=STEPS {
-            let there = apply(self.case, member, f64::from(step) / f64::from(STEPS));
-            found = there.orbit(hz, found.section)?;
-        }
-        found.is_stable_one_one().then_some(found)
-    }
-
-    fn has(&self, member: &Member, hz: f64) -> bool {
-        let orbit = self.branch.at(hz);
-        orbit.is_some_and(|orbit| self.follow(member, &orbit).is_some())
-    }
-
-    /// Rates, forces and multipliers at `hz`. None where a member has no stable 1/1.
-    pub fn spread(&self, hz: f64) -> Option<DrillSpread> {
-        let orbit = self.branch.at(hz)?;
-        let followed = parallel::map_all(self.members, |m| self.follow(m, &orbit))?;
-        let own = DrillSpread::of(&orbit);
-        Some(
-            followed
-                .iter()
-                .fold(own, |all, o| all.with(DrillSpread::of(o))),
-        )
-    }
-
-    /// The frequencies about `from_hz` at which every member has a stable 1/1. None where a member has no stable 1/1 at any of a
-    /// few frequencies near `from_hz`.
-    ///
-    /// Each block of members is tried within what the blocks before it have left: few bound the range, mostly corners, which
-    /// come first.
-    pub fn common_range(&self, from_hz: f64) -> Option<(f64, f64)> {
-        const BLOCK: usize = 16;
-        let (low, high) = self.branch.range();
-        let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
-        let all =
-            |hz: f64| parallel::map_all(self.members, |m| self.has(m, hz).then_some(())).is_some();
-        let seed = seeds.into_iter().find(|hz| all(*hz))?;
-        let blocks = self.members.chunks(BLOCK);
-        Some(blocks.fold((low, high), |range, members| {
-            self.shared(members, seed, range)
-        }))
-    }
-
-    /// The part of `range` about `seed` that every one of `members` has.
-    fn shared(&self, members: &[Member], seed: f64, range: (f64, f64)) -> (f64, f64) {
-        let resolution = END * self.case.params.natural_frequency_hz();
-        let to = |member: &Member, end: f64| {
-            if self.has(member, end) {
-                end
-            } else {
-                narrowed((seed, end), resolution, |hz| !self.has(member, hz)).0
-            }
+/// The frequencies about `from_hz` at which every member has a stable 1/1. None where a member has no stable 1/1 at any of a
+/// few frequencies near `from_hz`, or the work is interrupted. A step of the progress is a member.
+///
+/// Each block of members is tried within what the blocks before it have left: few bound the range, mostly corners, which
+/// come first.
+pub fn common_range(
+    branch: &Branch<DrillCase>,
+    members: &[Member],
+    from_hz: f64,
+    progress: &dyn Progress,
+) -> Option<(f64, f64)> {
+    const BLOCK: usize = 16;
+    let (low, high) = branch.range();
+    let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
+    let has_all = |hz: f64| {
+        let has = |member: &Member| {
+            check(progress).ok()?;
+            has(branch, member, hz).then_some(())
         };
-        let own = |member: &Member| (to(member, range.0), to(member, range.1));
-        let inner = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
-        parallel::map(members, own).into_iter().fold(range, inner)
+        parallel::map_all(members, has).is_some()
+    };
+    let seed = seeds.into_iter().find(|hz| has_all(*hz))?;
+    let mut range = (low, high);
+    for members in members.chunks(BLOCK) {
+        range = shared(branch, members, seed, range);
+        step(progress, members.len() as u64).ok()?;
     }
+    Some(range)
+}
+
+/// The part of `range` about `seed` that every one of `members` has.
+fn shared(
+    branch: &Branch<DrillCase>,
+    members: &[Member],
+    seed: f64,
+    range: (f64, f64),
+) -> (f64, f64) {
+    let resolution = END * branch.case.params.natural_frequency_hz();
+    let to = |member: &Member, end: f64| {
+        if has(branch, member, end) {
+            end
+        } else {
+            narrowed((seed, end), resolution, |hz| !has(branch, member, hz)).0
+        }
+    };
+    let own = |member: &Member| (to(member, range.0), to(member, range.1));
+    let inner = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
+    parallel::map(members, own).into_iter().fold(range, inner)
 }

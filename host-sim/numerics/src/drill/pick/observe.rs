@@ -1,23 +1,19 @@
 //! What runs on the ground show: where to begin, the orbit chosen, its reach from rest, and jumps.
 
-use shared::model::params::RigParams;
-use shared::model::regime::Regime;
-
-use super::branch::{DrillCase, GroundBranch};
-use super::members::{Crowd, apply, with_ground};
-use super::peak_speed;
-use crate::branch::BranchEnd;
-use crate::drill::blow::{Feed, GroundBlow};
+use super::branch::DrillCase;
+use super::members::apply;
+use crate::branch::Branch;
+use crate::drill::blow::Feed;
 use crate::drill::march::Drill;
 use crate::drill::orbit::DrillOrbit;
-use crate::drill::run::{DrillPlan, DrillRun, DrillSetting, grid, observe, run};
-use crate::drill::search::{Among, GroundUncertainty};
+use crate::drill::run::{DrillPlan, DrillSetting, grid, observe, run};
+use crate::drill::search::Among;
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
 use crate::parallel;
 use crate::pick::answer::{ShakerNeed, drive_force};
-use crate::pick::{JUMP_POINTS, JUMP_SHARE};
-use crate::progress::Progress;
+use crate::pick::runs::{JUMP_SHARE, Jumps, Runs, across, judged};
+use crate::progress::{Progress, step};
 use crate::row::{NamedRig, tidy};
 use crate::sweep::spread;
 use crate::uncertainty::Uncertainty;
@@ -105,107 +101,75 @@ pub fn loop_force_n(case: &DrillCase, orbit: &DrillOrbit) -> Option<f64> {
     drill.largest_loop_force_n()
 }
 
-/// What is seen of the orbit chosen.
-pub struct Observed {
-    /// On the orbit.
-    pub on_orbit: DrillRun,
-    /// A blow of it.
-    pub blow: GroundBlow,
-    /// Regime from rest.
-    pub from_rest: Regime,
-    /// Corners of the uncertainty, and how many of them settle on 1/1 from rest.
-    pub corners: usize,
-    /// See `corners`.
-    pub corners_reaching: usize,
-    /// Largest contact force from rest at the natural frequency, N.
-    pub force_at_natural_n: f64,
-    loop_force_n: Option<f64>,
-    /// Energy that the support's damping takes in a period, J.
-    damping_j: f64,
-}
-
-impl Observed {
-    /// Of `chosen`.
-    ///
-    /// # Errors
-    /// If a motion cannot be followed.
-    pub fn of(
-        case: &DrillCase,
-        chosen: &DrillOrbit,
-        crowd: &Crowd,
-        uncertainty: Option<(Uncertainty, GroundUncertainty)>,
-    ) -> Result<Self, Error> {
-        let hz = chosen.frequency_hz;
-        let mut drill = on(case, hz, chosen.section)?;
-        let on_orbit = observe(&mut drill, hz, OBSERVED)?;
-        let damping_j = drill.energies().damping / f64::from(OBSERVED);
-        let lost = MotionError::Lost { frequency_hz: hz };
-        let blow = *on_orbit.blows.last().ok_or(lost)?;
-        let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
-        let corners =
-            uncertainty.map_or(Vec::new(), |(u, ground)| with_ground(u, ground).corners());
-        let reaching = parallel::map(&corners, |corner| {
-            let there = apply(crowd.case, corner, 1.0);
-            at_rest(&there, hz).is_ok_and(|seen| seen.regime.is(1, 1))
-        });
-        Ok(Self {
-            blow,
-            from_rest: at_rest(case, hz)?.regime,
-            corners: corners.len(),
-            corners_reaching: reaching.iter().filter(|reaches| **reaches).count(),
-            force_at_natural_n: at_rest(case, case.params.natural_frequency_hz())?.force_n,
-            loop_force_n: loop_force_n(case, chosen),
-            damping_j,
-            on_orbit,
-        })
-    }
-
-    /// What the shaker must give for `chosen`.
-    pub fn shaker(&self, params: &RigParams, chosen: &DrillOrbit) -> ShakerNeed {
-        let (hz, amplitude) = (chosen.frequency_hz, params.amplitude_m);
-        let velocity = peak_speed(amplitude, hz);
-        let force_n = drive_force(params, hz);
-        ShakerNeed {
-            stroke_mm: tidy(2e3 * amplitude),
-            velocity_m_per_s: velocity,
-            acceleration_m_per_s2: peak_speed(velocity, hz),
-            force_n,
-            mean_power_w: (chosen.contact_j + self.damping_j) * hz,
-            reactive_power_w: 0.5 * force_n * velocity,
-            energy_per_blow_j: chosen.contact_j,
-            blows_per_second: hz,
-            loop_force_n: self.loop_force_n,
-        }
-    }
-}
-
-/// Frequencies within the nominal stable 1/1 at which sweeps up and down dig differently, and those at which it folds: Hz,
-/// rising.
+/// What runs show of `chosen`, over the `uncertainty` of [`super::members::with_ground`].
 ///
 /// # Errors
 /// If a motion cannot be followed.
-pub fn jumps(case: &DrillCase, branch: &GroundBranch) -> Result<Vec<f64>, Error> {
-    let (low, high) = branch.range();
-    let margin = 0.02 * case.params.natural_frequency_hz();
-    let up = spread(low - margin, high + margin, JUMP_POINTS);
+pub fn runs(
+    case: &DrillCase,
+    chosen: &DrillOrbit,
+    uncertainty: Option<Uncertainty>,
+) -> Result<Runs, Error> {
+    let (hz, params) = (chosen.frequency_hz, &case.params);
+    let mut drill = on(case, hz, chosen.section)?;
+    let on_orbit = observe(&mut drill, hz, OBSERVED)?;
+    let damping_j = drill.energies().damping / f64::from(OBSERVED);
+    let lost = MotionError::Lost { frequency_hz: hz };
+    let blow = *on_orbit.blows.last().ok_or(lost)?;
+    let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
+    let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
+    let reaching = parallel::map(&corners, |corner| {
+        let there = apply(case, corner, 1.0);
+        at_rest(&there, hz).is_ok_and(|seen| seen.regime.is(1, 1))
+    });
+    let at_natural = at_rest(case, params.natural_frequency_hz())?;
+    Ok(Runs {
+        force_ratio_at_natural: at_natural.force_n / params.weight_n(),
+        from_rest: at_rest(case, hz)?.regime,
+        on_orbit: on_orbit.regime,
+        // The force is cut off at the threshold: it says nothing of settling.
+        settling_cycles: None,
+        corners: corners.len(),
+        corners_reaching: reaching.iter().filter(|reaches| **reaches).count(),
+        approach_speed_m_per_s: blow.approach_speed_m_per_s,
+        contact_s: blow.duration_s,
+        shaker: ShakerNeed {
+            mean_power_w: (chosen.contact_j + damping_j) * hz,
+            energy_per_blow_j: chosen.contact_j,
+            loop_force_n: loop_force_n(case, chosen),
+            ..ShakerNeed::to_move(params, hz)
+        },
+    })
+}
+
+/// Where sweeps up and down dig differently, and where the 1/1 folds.
+///
+/// # Errors
+/// If a motion cannot be followed, or the work is interrupted.
+pub fn jumps(branch: &Branch<DrillCase>, progress: &dyn Progress) -> Result<Jumps, Error> {
+    let case = &branch.case;
+    let up = across(branch);
     let down: Vec<f64> = up.iter().rev().copied().collect();
-    let (a, b) = rayon::join(|| sweep(case, &up), || sweep(case, &down));
+    let one_way = |frequencies| sweep(case, frequencies, progress);
+    let (a, b) = rayon::join(|| one_way(&up), || one_way(&down));
     let (a, mut b) = (a?, b?);
     b.reverse();
     let largest = a.iter().chain(&b).copied().fold(0.0, f64::max);
     let differ = |i: &usize| (a[*i] - b[*i]).abs() > JUMP_SHARE * largest;
-    let mut at_hz: Vec<f64> = (0..up.len()).filter(differ).map(|i| up[i]).collect();
-    // Beyond the ends of the stable 1/1 they are not judged.
-    at_hz.retain(|hz| (low..=high).contains(hz));
-    let folds = [branch.low, branch.high].into_iter();
-    let folds = folds.filter(|edge| edge.end == BranchEnd::Fold);
-    at_hz.extend(folds.map(|edge| edge.frequency_hz));
-    at_hz.sort_by(f64::total_cmp);
-    Ok(at_hz)
+    let differ = (0..up.len()).filter(differ).map(|i| up[i]).collect();
+    Ok(Jumps {
+        up: Vec::new(),
+        down: Vec::new(),
+        at_hz: judged(differ, branch),
+    })
 }
 
 /// Progress per period at each frequency, m, each from where the last one ended.
-fn sweep(case: &DrillCase, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
+fn sweep(
+    case: &DrillCase,
+    frequencies: &[f64],
+    progress: &dyn Progress,
+) -> Result<Vec<f64>, Error> {
     let mut last: Option<Section> = None;
     let mut dug = Vec::with_capacity(frequencies.len());
     for hz in frequencies {
@@ -228,6 +192,7 @@ fn sweep(case: &DrillCase, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
         }
         last = Some([q, v, off, off_rate]);
         dug.push((drill.drift_m() - before) / f64::from(JUMP_RECORDED));
+        step(progress, 1)?;
     }
     Ok(dug)
 }

@@ -3,6 +3,8 @@
 use super::*;
 
 use crate::branch::one_one_branches;
+use crate::orbit::Orbit;
+use crate::pick::follow::Followed;
 use crate::uncertainty::Uncertainty;
 use shared::model::params::WIRES;
 
@@ -312,13 +314,15 @@ fn what_has_no_choice_says_why() {
 fn the_member_that_breaks_a_limit_is_the_strongest_unless_it_is_known_to() {
     let made = Made::new(0.0, 5.0);
     let field = made.field();
-    let spread = ForceSpread {
+    let spread = Spread {
+        least: 1.0,
+        most: 10.0,
         weakest_n: 1.0,
         strongest_n: 10.0,
         strongest: Some(1),
         multiplier: 0.5,
     };
-    let nominal = ForceSpread {
+    let nominal = Spread {
         strongest: None,
         ..spread
     };
