@@ -27,13 +27,23 @@ impl Build {
 
 /// Builds the program of that name; where it is.
 pub fn program(name: &str, build: &Build) -> JobResult<PathBuf> {
-    built(name, build, |message| executable(name, message))
+    built(name, &build.words(name), |message| {
+        executable(name, message)
+    })
+}
+
+/// Builds `host-sim` as its users do; where it is.
+pub fn released() -> JobResult<PathBuf> {
+    let words = ["build", "--release", "--package", "host-sim"];
+    built("host-sim", &words, |message| {
+        executable("host-sim", message)
+    })
 }
 
 /// The shared library of that name, as the host tests have it; where it is.
 pub fn library(name: &str) -> JobResult<PathBuf> {
     let ours = format!("/lib{name}.so");
-    built(name, &Build::Tested, |message| {
+    built(name, &Build::Tested.words(name), |message| {
         message
             .split('"')
             .find(|part| part.ends_with(&ours))
@@ -42,9 +52,9 @@ pub fn library(name: &str) -> JobResult<PathBuf> {
 }
 
 /// Builds, and finds what is looked for in Cargo's messages.
-fn built(name: &str, build: &Build, look: impl Fn(&str) -> Option<PathBuf>) -> JobResult<PathBuf> {
+fn built(name: &str, words: &[&str], look: impl Fn(&str) -> Option<PathBuf>) -> JobResult<PathBuf> {
     let mut command = cargo();
-    command.args(build.words(name));
+    command.args(words);
     command.args(["--message-format", "json-render-diagnostics"]);
     let messages = run_tee(&mut command, false)?;
     let path = messages.iter().find_map(|message| look(message));

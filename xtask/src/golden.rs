@@ -12,7 +12,8 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     JobResult,
-    command::{self, cargo, root},
+    command::{self, root},
+    desktop,
 };
 
 /// The check sums, one line each.
@@ -68,9 +69,7 @@ fn requests() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// Runs every request and compares the check sums of its answers with those of [`FILE`], or writes them there.
 pub fn run(write: bool) -> JobResult {
-    command::run(cargo().args(["build", "--release", "--package", "host-sim"]))?;
-    let mut program = root().join("target/release/host-sim");
-    program.set_extension(std::env::consts::EXE_EXTENSION);
+    let program = desktop::released()?;
     let all = root().join("target/golden");
     if all.exists() {
         fs::remove_dir_all(&all)?;

@@ -9,7 +9,8 @@ use std::{
 
 use crate::{
     JobResult,
-    command::{self, cargo, root},
+    command::{self, root},
+    desktop,
     timing::Stopwatch,
 };
 
@@ -38,17 +39,17 @@ const FILE: &str = "target/speed.csv";
 
 /// Measures every request, adds a line for each to [`FILE`], and fails if one costs more than it may.
 pub fn run() -> JobResult {
-    command::run(cargo().args(["build", "--release", "--package", "host-sim"]))?;
+    let program = desktop::released()?;
     let folder = root().join("target/speed");
     fs::create_dir_all(&folder)?;
     let all: Vec<&str> = [UNIT].into_iter().chain(REQUESTS.map(|(r, _)| r)).collect();
     let mut cheapest = vec![f64::INFINITY; all.len()];
     for _ in 0..ROUNDS {
         for (request, least) in all.iter().zip(&mut cheapest) {
-            let mut program = Command::new(root().join("target/release/host-sim"));
-            program.args(request.split(' ')).arg("--quiet");
+            let mut asked = Command::new(&program);
+            asked.args(request.split(' ')).arg("--quiet");
             let clocks = Stopwatch::start();
-            command::output(program.current_dir(&folder).env("RAYON_NUM_THREADS", "1"))?;
+            command::output(asked.current_dir(&folder).env("RAYON_NUM_THREADS", "1"))?;
             *least = least.min(clocks.spent().processor_s);
         }
     }
