@@ -1,5 +1,6 @@
 //! The lanes against the reference on random cells: `lanes_accuracy [CELLS] [SEED]` of the chapter's map,
-//! `lanes_accuracy [CELLS] [SEED] recoil` of such maps of the four rigs, with the cart recoiling on loops of 25 to 100 Hz.
+//! `lanes_accuracy [CELLS] [SEED] recoil` of such maps of the four rigs, with the cart recoiling on loops of 25 to 100 Hz;
+//! a contact law as the last word puts it in the place of the spring-dashpot.
 
 use std::time::Instant;
 
@@ -7,6 +8,7 @@ use numerics::engine::Engine;
 use numerics::lanes::{Cell, CellOutcome, CellPlan, LanePrecision, Options, by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use shared::model::contact::LawKind;
 use shared::model::params::{PRESETS, RigParams, WIRES};
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
@@ -15,11 +17,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let count: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |a| a.parse())?;
-    let recoil = match arguments.next().as_deref() {
-        None => false,
-        Some("recoil") => true,
-        Some(other) => return Err(format!("{other}: expected nothing or recoil").into()),
-    };
+    let mut recoil = false;
+    let mut law = None;
+    for word in arguments {
+        match LawKind::named(&word) {
+            _ if word == "recoil" => recoil = true,
+            Some(kind) => law = Some(kind.preset()),
+            None => return Err(format!("{word}: expected recoil or a contact law").into()),
+        }
+    }
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let cells: Vec<_> = (0..count)
         .map(|_| {
@@ -34,6 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     ..ASSUMED_SHAKER
                 });
             }
+            rig.contact = law.unwrap_or(rig.contact);
             cell(rig, f64::from(gap) * 1e-5, frequency_hz)
         })
         .collect::<Result<_, _>>()?;

@@ -19,6 +19,7 @@ use shared::model::params::{RigParams, SupportParams, Torque};
 use super::Cell;
 use super::cart::{Around, Recoil};
 use super::linear::{DampedPair, Hold};
+use super::surface::LawSurface;
 
 /// Which equation of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +79,8 @@ pub struct Constants {
     pub fastest: f64,
     /// A cart that recoils.
     pub recoil: Option<Recoil>,
+    /// A contact law without a closed form: the spring and damper above then stand for it where only their place counts.
+    pub surface: Option<LawSurface>,
 }
 
 /// Slowest and fastest drive over the hammer's own frequency that lanes take: below, a drive cycle needs too many steps
@@ -88,11 +91,14 @@ const RATIOS: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 /// long for the drive to be held to second order.
 const SLOWEST_CONTACT: f64 = 16.0;
 
+/// ν of the contact that stands for a law without a closed form: faster than anything else.
+const STAND_IN: f64 = 1e4;
+
 /// Widest swing (rad or m): beyond, the lanes' polynomials do not hold. At this swing that of cos θ is 3e-7 off.
 const WIDEST: f64 = 0.25;
 
 impl Constants {
-    /// The cell without units; none where lanes cannot run it: a contact law without closed form, an overdamped
+    /// The cell without units; none where lanes cannot run it: an overdamped
     /// contact, a start inside the surface or with too wide a swing, frequencies or sizes far from any rig's.
     ///
     /// Also none where something cannot be at all; the reference then says what.
@@ -105,11 +111,15 @@ impl Constants {
         if !possible {
             return None;
         }
-        let Law::SpringDashpot { stiffness, damping } = rig.contact else {
-            return None;
-        };
         let omega = TAU * cell.frequency_hz;
         let mass = rig.mass_kg;
+        let (stiffness, damping) = match rig.contact {
+            Law::SpringDashpot { stiffness, damping } => (stiffness, damping),
+            _ => {
+                let fast = STAND_IN * omega;
+                (mass * fast * fast, 0.2 * mass * fast)
+            }
+        };
         let contact_spring = stiffness / (mass * omega * omega);
         let contact_damper = damping / (mass * omega);
         let gap = rig.gap_m / rig.amplitude_m;
@@ -172,6 +182,19 @@ impl Constants {
             peak_phase: 0.0,
             fastest: support.fastest.max(1.0),
             recoil,
+            surface: None,
+        };
+        let nonlinear = !matches!(rig.contact, Law::SpringDashpot { .. });
+        let surface = nonlinear.then_some(LawSurface {
+            law: rig.contact,
+            depth_m: rig.amplitude_m * support.drive,
+            rate_m_per_s: rig.amplitude_m * omega * support.drive,
+            torque: support.torque,
+            beside: support.stiffness,
+        });
+        let constants = Self {
+            surface,
+            ..constants
         };
         let [x, v] = cell.start;
         let swing2 = (x / support.scale + support.rest).powi(2)

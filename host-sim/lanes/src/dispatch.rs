@@ -108,13 +108,17 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         return tried;
     }
     let fit: Vec<_> = cells.iter().map(Constants::new).collect();
-    let kinds = [EquationKind::Wires, EquationKind::Beams]
-        .map(|kind| [false, true].map(|recoil| (kind, recoil)));
-    for (kind, recoil) in kinds.into_iter().flatten() {
+    let kinds = [EquationKind::Wires, EquationKind::Beams].into_iter();
+    let kinds = kinds.flat_map(|kind| [false, true].map(|recoil| (kind, recoil)));
+    let kinds = kinds.flat_map(|kind| [false, true].map(|by_law| (kind, by_law)));
+    for ((kind, recoil), by_law) in kinds {
         let mut jobs = Vec::new();
         let mut places = Vec::new();
         for (place, (cell, constants)) in cells.iter().zip(&fit).enumerate() {
-            let of_kind = |c: &&Constants| c.kind == kind && c.recoil.is_some() == recoil;
+            let of_kind = |c: &&Constants| {
+                let here = (c.kind, c.recoil.is_some(), c.surface.is_some());
+                here == (kind, recoil, by_law)
+            };
             if let Some(constants) = constants.as_ref().filter(of_kind) {
                 tried.fit[place] = true;
                 jobs.push(Job::new(cell, *constants));

@@ -10,6 +10,7 @@
 //! | `touch` | contact in closed form, in all lanes at once |
 //! | `sustained` | contacts that `touch` cannot represent, one at a time |
 //! | `form` | the closed form of a contact at any time |
+//! | `surface` | contacts by a law without a closed form, one at a time |
 //! | `job` | what the lanes are given and count |
 //! | `pool` | the loop over the lanes |
 //! | `reduce` | what a cell showed, from its strobes |
@@ -36,6 +37,7 @@ mod root;
 mod rows;
 mod series;
 mod settling;
+mod surface;
 mod sustained;
 mod touch;
 mod width;

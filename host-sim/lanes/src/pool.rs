@@ -53,6 +53,8 @@ struct Pool<'a, W: LaneWidth> {
     rows: Box<Rows<W::E>>,
     lanes: Vec<Lane>,
     out: Vec<Option<CellOutcome>>,
+    /// Whether contacts have no closed form.
+    by_law: bool,
     /// Lanes in a sustained contact, by bit.
     in_sustained: u32,
     /// Lanes whose cell is done, by bit.
@@ -80,6 +82,7 @@ pub fn run<W: LaneWidth, const RECOIL: bool>(
         rows: Box::default(),
         lanes: (0..W::LANES).map(|_| Lane::default()).collect(),
         out: jobs.iter().map(|_| None).collect(),
+        by_law: jobs.iter().any(|job| job.constants.surface.is_some()),
         in_sustained: 0,
         finished: 0,
         busy: W::LANES,
@@ -263,7 +266,10 @@ impl<W: LaneWidth> Pool<'_, W> {
             cart,
         };
         let left = contact(&surface, tau, v, self.tuning.margins.grazing);
-        let good = hit & left.good & left.tau.lt(Num::splat(w, TAU));
+        let mut good = hit & left.good & left.tau.lt(Num::splat(w, TAU));
+        if self.by_law {
+            good = good & !good;
+        }
         let one = Num::splat(w, 1.0);
         let onsets = load(&rows.onsets);
         good.choose(onsets + one, onsets).store(&mut rows.onsets);

@@ -10,9 +10,13 @@ use shared::model::contacts::SUSTAINED_CONTACT_S;
 
 use super::constants::Constants;
 use super::form::{DEAD_AFTER, Form, Turning, crossing};
+use super::surface::{LawSurface, Press};
 
 /// Releases and onsets after which a sustained contact is given up.
 const MOST: usize = 500;
+
+/// Step of a flight with x > 0 beside a surface without a closed form, in drive phase.
+const LEAVING_STEP: f64 = 0.005;
 
 /// Side of the switch while x > 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +34,8 @@ pub struct Sustained {
     pub x: f64,
     /// Rate.
     pub v: f64,
+    /// The rate with which this contact began.
+    pub approach: f64,
     /// A cart that recoils: its deviation and rate.
     pub cart: [f64; 2],
     /// Drive phase since the last strobe.
@@ -78,20 +84,21 @@ impl Sustained {
     fn begin(&mut self) {
         self.side = SwitchSide::Contact;
         self.onsets += 1;
+        self.approach = self.v;
         self.recent = [self.tau, self.recent[0], self.recent[1]];
     }
 
     /// In contact until F falls through zero or the section comes.
     fn press(&mut self, c: &Constants) -> Option<SustainedEvent> {
-        let form = Form::new(c, self.tau, [self.x, self.v], self.cart);
         let end = TAU - self.tau;
-        let release = self.find_release(&form, end);
-        let t = release.unwrap_or(end);
-        (self.x, self.v) = form.state(t);
-        if let Some(together) = &form.together {
-            self.cart = together.cart(&form, t);
-        }
-        self.tau += t;
+        let release = match &c.surface {
+            None => self.press_in_closed_form(c, end),
+            Some(surface) => match self.press_by_law(surface, c, end) {
+                Press::Released => Some(()),
+                Press::Held => None,
+                Press::Lost => return Some(SustainedEvent::Lost),
+            },
+        };
         let stayed = (self.tau - self.recent[0]) / c.omega;
         self.chatter |= stayed > SUSTAINED_CONTACT_S && self.recent[0] - self.recent[2] < TAU;
         if release.is_none() {
@@ -100,6 +107,29 @@ impl Sustained {
         }
         self.side = SwitchSide::Leaving;
         None
+    }
+
+    /// In contact for `end` at most, or until it is released.
+    fn press_in_closed_form(&mut self, c: &Constants, end: f64) -> Option<()> {
+        let form = Form::new(c, self.tau, [self.x, self.v], self.cart);
+        let release = self.find_release(&form, end);
+        let t = release.unwrap_or(end);
+        (self.x, self.v) = form.state(t);
+        if let Some(together) = &form.together {
+            self.cart = together.cart(&form, t);
+        }
+        self.tau += t;
+        release.map(|_| ())
+    }
+
+    /// The same by a law without a closed form.
+    fn press_by_law(&mut self, surface: &LawSurface, c: &Constants, end: f64) -> Press {
+        let mut state = [self.x, self.v, self.cart[0], self.cart[1]];
+        let span = (self.tau, end);
+        let (t, press) = surface.press(c, span, &mut state, self.approach, &mut self.peak);
+        [self.x, self.v, self.cart[0], self.cart[1]] = state;
+        self.tau += t;
+        press
     }
 
     /// The first release before `end`, and the peaks on the way.
@@ -174,7 +204,10 @@ impl Sustained {
     /// Free flight with x > 0 until it is out, F rises through zero, or the section comes.
     fn leave(&mut self, c: &Constants) -> Option<SustainedEvent> {
         let lag = c.contact_damper / c.contact_spring;
-        let step = (2.0 * lag).max(0.1 / c.pulsation);
+        let step = match &c.surface {
+            None => (2.0 * lag).max(0.1 / c.pulsation),
+            Some(_) => LEAVING_STEP,
+        };
         loop {
             if self.x <= 0.0 && self.v < 0.0 {
                 self.x = 0.0;
@@ -201,6 +234,9 @@ impl Sustained {
             };
             let force = |t: f64| {
                 let (x, v) = at(t);
+                if let Some(surface) = &c.surface {
+                    return surface.factor(v, a + t * j, self.approach);
+                }
                 (
                     c.contact_spring * x + c.contact_damper * v,
                     c.contact_spring * v + c.contact_damper * (a + t * j),

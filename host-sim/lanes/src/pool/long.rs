@@ -18,6 +18,7 @@ impl<W: LaneWidth> Pool<'_, W> {
         self.lanes[lane].sustained = Some(Sustained {
             x: 0.0,
             v: rate,
+            approach: rate,
             cart: rows.cart.each_ref().map(|row| row[lane].to_f64()),
             tau,
             side: SwitchSide::Contact,

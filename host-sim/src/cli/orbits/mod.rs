@@ -61,7 +61,7 @@ pub struct Args {
     starts: u16,
 
     /// Frequencies (or gaps) at which simulations check that no orbit was missed [default: forty times --starts; twice
-    /// where every simulation is the reference's: nonlinear contact laws]
+    /// with a nonlinear contact law, whose simulations take longer]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=20000))]
     checks: Option<u16>,
 
