@@ -15,11 +15,10 @@ use super::bodies::BodiesState;
 use super::cart::Mounting;
 use super::plant::{Plant, ShakerDrive};
 use super::shaker::SetPointPath;
-use numerics::branch::{Branch, one_one_branches};
+use numerics::branch::{Branch, strongest_branch};
 use numerics::orbit::{Orbit, shoot};
+use numerics::pick::SEARCH_RATIOS;
 
-/// Ratios Ω/ω searched for the optimum.
-const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 /// Where the two bodies are tried, relative to the reference's optimum.
 const TRIED: [f64; 8] = [0.91, 0.93, 0.95, 0.97, 0.99, 1.01, 1.03, 1.05];
 /// Where the search begins among them: most rigs' best is next to it.
@@ -46,10 +45,7 @@ pub struct Optimum {
 
 /// The branch of the strongest stable 1/1 of `rig` under prescribed motion, and its strongest orbit.
 pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
-    let largest = |b: &Branch| b.orbits.iter().map(|o| o.force_n).fold(0.0, f64::max);
-    let branch = one_one_branches(rig, SEARCH_RATIOS)
-        .into_iter()
-        .max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
+    let branch = strongest_branch(rig, SEARCH_RATIOS)?;
     let orbit = branch.best(branch.range(), |orbit| orbit.force_n)?;
     Some((branch, orbit))
 }

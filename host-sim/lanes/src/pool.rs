@@ -266,10 +266,9 @@ impl<W: LaneWidth> Pool<'_, W> {
             cart,
         };
         let left = contact(&surface, tau, v, self.tuning.margins.grazing);
-        let mut good = hit & left.good & left.tau.lt(Num::splat(w, TAU));
-        if self.by_law {
-            good = good & !good;
-        }
+        let none = hit & !hit;
+        let closed = hit & left.good & left.tau.lt(Num::splat(w, TAU));
+        let good = if self.by_law { none } else { closed };
         let one = Num::splat(w, 1.0);
         let onsets = load(&rows.onsets);
         good.choose(onsets + one, onsets).store(&mut rows.onsets);

@@ -301,3 +301,70 @@ impl LawSurface {
         at(s).0.max(end)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cell;
+    use shared::model::contact::LawKind;
+    use shared::model::params::{RigParams, WIRES};
+
+    /// A blow on wires at the gap 0, at drive phase 0, fast enough that nothing but the surface counts.
+    fn blow(kind: LawKind, v: f64) -> (Constants, f64, State, f64) {
+        let cell = Cell {
+            params: RigParams {
+                contact: kind.preset(),
+                ..WIRES
+            },
+            frequency_hz: 3.7,
+            start: [0.0, 0.0],
+            phase: 0.0,
+        };
+        let c = Constants::new(&cell).unwrap();
+        let surface = c.surface.unwrap();
+        let (mut state, mut peak) = ([0.0, v, 0.0, 0.0], 0.0);
+        let (t, press) = surface.press(&c, (0.0, 1.0), &mut state, v, &mut peak);
+        assert!(matches!(press, Press::Released));
+        (c, t, state, peak)
+    }
+
+    /// Hertz's contact in closed form: it gives back all, is deepest where the spring has taken up what the hammer brought, and
+    /// lasts 2.943 times that depth over the approach speed (K. L. Johnson, *Contact Mechanics*, 1985, section 11.4).
+    #[test]
+    fn hertz_s_contact_is_the_closed_form() {
+        let v = 1e3;
+        let (c, t, [x, rebound, ..], peak) = blow(LawKind::Hertz, v);
+        let speed = c.surface.unwrap().rate_m_per_s * v;
+        let (mass, law) = (WIRES.mass_kg, LawKind::Hertz.preset());
+        let deepest_m = (1.25 * mass * speed * speed / law.stiffness()).powf(0.4);
+        assert_eq!(x, 0.0);
+        assert!((rebound / -v - 1.0).abs() < 2e-6, "{rebound}");
+        let lasts = t / c.omega * speed / deepest_m;
+        assert!((lasts - 2.943_275).abs() < 1e-5, "{lasts}");
+        let force_n = peak * c.force_unit_n;
+        let expected = law.stiffness() * deepest_m.powf(1.5);
+        assert!((force_n / expected - 1.0).abs() < 1e-6, "{force_n}");
+    }
+
+    /// [`shared::model::contact::LAWS`]: all last as long at 0.08 m/s, and each gives back its share.
+    #[test]
+    fn the_laws_presets_last_and_rebound_as_they_were_made_to() {
+        for (kind, restitution) in [
+            (LawKind::Hertz, 1.0),
+            (LawKind::HuntCrossley, 0.316_902),
+            (LawKind::LankaraniNikravesh, 0.662_962),
+            (LawKind::Flores, 0.316_902),
+        ] {
+            let unit = blow(kind, 1e3).0.surface.unwrap().rate_m_per_s;
+            let v = 0.08 / unit;
+            let (c, t, [_, rebound, ..], _) = blow(kind, v);
+            // The drive moves the hammer by 1e-3 of its speed meanwhile.
+            let ms = 1e3 * t / c.omega;
+            assert!((ms - 0.570_751).abs() < 0.01, "{kind:?}: {ms}");
+            assert!(
+                (rebound / -v - restitution).abs() < 0.01,
+                "{kind:?}: {rebound}"
+            );
+        }
+    }
+}

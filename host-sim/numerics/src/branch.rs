@@ -298,6 +298,13 @@ pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Bra
     found
 }
 
+/// Of the stable stretches of 1/1 the one with the largest force.
+pub fn strongest_branch(params: &RigParams, limits_ratio: (f64, f64)) -> Option<Branch> {
+    let largest = |b: &Branch| b.orbits.iter().map(|o| o.force_n).fold(0.0, f64::max);
+    let branches = one_one_branches(params, limits_ratio).into_iter();
+    branches.max_by(|a, b| largest(a).total_cmp(&largest(b)))
+}
+
 /// The stable 1/1 that a run of `plan` from `start` settles on, if it does.
 pub(crate) fn settle(
     params: &RigParams,

@@ -231,11 +231,7 @@ impl<'a, C: PickCase> PickField<'a, C> {
         } else {
             robust
         };
-        let strongest = |hz: f64| {
-            let orbit = self.branch.at(hz)?;
-            let spread = spread_of_members(&self.branch.case, self.members, &orbit)?;
-            Some((-spread.strongest_n, ()))
-        };
+        let strongest = |hz: f64| Some((-self.spread_at(hz)?.strongest_n, ()));
         let softest_n = || {
             let (hz, ()) = self.branch.largest(open, strongest)?;
             strongest(hz).map(|(minus, ())| -minus)

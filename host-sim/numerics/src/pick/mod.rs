@@ -25,7 +25,7 @@ pub mod sensitivity;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use crate::branch::{Branch, one_one_branches};
+use crate::branch::{Branch, one_one_branches, strongest_branch};
 use crate::error::{Error, PickError};
 use crate::limits::PickLimits;
 use crate::orbit::Orbit;
@@ -52,7 +52,7 @@ const CURVE_POINTS: usize = 200;
 /// Parameters whose force is computed over all that they may be.
 const RANGES_COMPUTED: usize = 3;
 /// Ratios Ω/ω searched for 1/1.
-pub(crate) const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
+pub const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 
 /// The answer and what its picture is drawn from.
 #[derive(Clone, Debug)]
@@ -398,12 +398,7 @@ pub fn steps(uncertainty: Option<Uncertainty>) -> u64 {
 
 /// The branch with the largest force.
 pub(crate) fn best_branch(rig: &NamedRig) -> Result<Branch, Error> {
-    let largest = |b: &Branch| b.orbits.iter().map(|o| o.force_n).fold(0.0, f64::max);
-    let branches = one_one_branches(&rig.params, SEARCH_RATIOS);
-    branches
-        .into_iter()
-        .max_by(|a, b| largest(a).total_cmp(&largest(b)))
-        .ok_or_else(|| no_one_one(rig))
+    strongest_branch(&rig.params, SEARCH_RATIOS).ok_or_else(|| no_one_one(rig))
 }
 
 fn no_one_one(rig: &NamedRig) -> Error {
