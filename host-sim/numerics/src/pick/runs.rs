@@ -106,7 +106,7 @@ pub struct Runs {
     pub from_rest: Regime,
     /// Regime of a run that starts on the orbit picked.
     pub on_orbit: Regime,
-    /// Drive periods after which a run from rest stays within [`SETTLED_SHARE`] of the force of the orbit picked; none if
+    /// Drive periods after which a run from rest stays within 1 % of the force of the orbit picked; none if
     /// it does not get there.
     pub settling_cycles: Option<u32>,
     /// Corners of the uncertainty.
