@@ -1,9 +1,10 @@
 //! How well the force wanted is there, whatever the surface rings like: the true peaks of the contacts over what was asked, in Hold,
 //! for the four rigs; and the same with a force limit that acts instead. Prints a table of the worst of each row.
 //!
-//!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT]
+//!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT [DECAY_MS]]
 //!
-//! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out.
+//! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out; DECAY_MS the time within which the ringing
+//! decays, 2 if left out.
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, RunObserver, TrueContact};
@@ -53,7 +54,14 @@ impl RunObserver for Peaks {
 }
 
 /// Mean, largest in Hold and largest of all, % of the force wanted or the limit, if it ended in Hold.
-fn peaks(rig: &str, force_n: f64, limited: bool, noise: f64, khz: f64, ringing: f64) -> [f64; 3] {
+fn peaks(
+    rig: &str,
+    force_n: f64,
+    limited: bool,
+    [noise, decay_ms]: [f64; 2],
+    khz: f64,
+    ringing: f64,
+) -> [f64; 3] {
     let asked = if limited {
         format!(
             "[limits]\nforce_n = {force_n:?}\n[trips]\nforce_n = {:?}\n",
@@ -63,7 +71,7 @@ fn peaks(rig: &str, force_n: f64, limited: bool, noise: f64, khz: f64, ringing: 
         format!("[aim]\nforce_n = {force_n:?}\n")
     };
     let text = format!(
-        "duration_s = {LONG_S:?}\nseed = 5\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\nringing_hz = {:?}\nringing_percent = {ringing:?}\n{asked}[[events]]\nat_s = 0.5\nkind = \"start\"\n",
+        "duration_s = {LONG_S:?}\nseed = 5\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\nringing_decay_ms = {decay_ms:?}\nringing_hz = {:?}\nringing_percent = {ringing:?}\n{asked}[[events]]\nat_s = 0.5\nkind = \"start\"\n",
         1e3 * khz
     );
     let scenario = parse("force", &text, "force").expect("a scenario");
@@ -78,8 +86,11 @@ fn peaks(rig: &str, force_n: f64, limited: bool, noise: f64, khz: f64, ringing: 
 }
 
 fn main() {
-    let noise = std::env::args().nth(1);
-    let noise: f64 = noise.map_or(0.5, |text| text.parse().expect("a number of percent"));
+    let number = |place: usize, or: f64| {
+        let text = std::env::args().nth(place);
+        text.map_or(or, |text| text.parse().expect("a number"))
+    };
+    let noise = [number(1, 0.5), number(2, 2.0)];
     println!("| rig | ringing, kHz | asked | mean, % of it | largest in Hold, % | largest, % |");
     println!("|---|---|---|---|---|---|");
     let cases: Vec<_> = RIGS
