@@ -4,6 +4,11 @@
 //!     cargo run --release -p emulator --example lying_sensors -- [RIG] [--limits FORCE_N,CART_MM,TRAVEL_MM]
 //!         [--aim FORCE_N] [--csv FILE]
 //!
+//!     cargo run --release -p emulator --example lying_sensors -- --pairs COUNT,SEED
+//!
+//! The second makes two sensors lie in the same run, at times drawn at random, on one of the four rigs drawn at random, with force
+//! and travel limits that act (force 0.5 to 1.0 of a strong 1/1's, travel 4.5 to 6 amplitudes), by itself and by hand.
+//!
 //! RIG is `wires` if left out. `--limits` sets `limits.force_n`, `limits.amplitude_mm` and `limits.travel_mm` in
 //! place of the rig's own; one left empty stays. `--aim` sets `aim.force_n`.
 
@@ -13,6 +18,8 @@ use emulator::local::Local;
 use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::run::run;
 use emulator::scenario::parse;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
 use shared::fault::{Fault, Origin};
 
@@ -22,6 +29,8 @@ const START_S: f64 = 0.5;
 const LIES_FROM_S: [f64; 2] = [0.1, 20.0];
 /// A limit counts as passed beyond this share of it.
 const PASSED: f64 = 1.1;
+/// One more than the largest number of 32 bits.
+const TWO_32: f64 = 4_294_967_296.0;
 
 /// What the plant did while the drive was on, and the first fault.
 #[derive(Default)]
@@ -106,7 +115,6 @@ fn lies(sensor: &'static str) -> Vec<Lie> {
 
 /// What came out of a lie.
 struct Row {
-    sensor: &'static str,
     lie: String,
     from_s: f64,
     /// After how long, what, and the sensor named.
@@ -118,23 +126,32 @@ struct Row {
 }
 
 impl Row {
-    fn of(lie: &Lie, from_s: f64, rig: &str, limits: &str) -> Self {
-        let Lie { sensor, name, keys } = lie;
-        let text = format!(
+    /// Of `lies` and when each begins; `start` is what the start event says beside its name, and events that follow.
+    fn of(lies: &[(&Lie, f64)], rig: &str, limits: &str, start: &str) -> Self {
+        let mut text = format!(
             "duration_s = {LONG_S:?}\nseed = 7\n[true_rig]\npreset = \"{rig}\"\n{limits}\
              [sensors]\nnoise_percent = 1.0\n\
-             [[events]]\nat_s = {START_S:?}\nkind = \"start\"\n\
-             [[events]]\nat_s = {from_s:?}\nkind = \"sensor-fault\"\nsensor = \"{sensor}\"\n{keys}\n"
+             [[events]]\nat_s = {START_S:?}\nkind = \"start\"\n{start}"
         );
+        for (Lie { sensor, keys, .. }, from_s) in lies {
+            write!(
+                text,
+                "[[events]]\nat_s = {from_s:?}\nkind = \"sensor-fault\"\nsensor = \"{sensor}\"\n{keys}\n"
+            )
+            .expect("text");
+        }
         let scenario = parse("lie", &text, "lie").expect("a scenario");
         let mut truth = Truth::default();
         let mut control = Local::new(&scenario.settings).expect("a controller");
         run(&scenario, &mut control, &mut truth).expect("a run");
         let bounds = scenario.settings.limits;
+        let from_s = lies.iter().map(|(_, s)| *s).fold(LONG_S, f64::min);
+        let told = lies
+            .iter()
+            .map(|(l, _)| format!("{}: {}", l.sensor, l.name));
         let after = |at_s: f64| at_s - from_s.max(START_S);
         Self {
-            sensor,
-            lie: name.clone(),
+            lie: told.collect::<Vec<_>>().join(", "),
             from_s,
             found: truth.fault.map(|(f, o, at_s)| (after(at_s), f.name(), o)),
             force_share: truth.force_n / f64::from(bounds.force_n),
@@ -163,8 +180,8 @@ impl Row {
             None => ["–", "–", "–"].map(String::from),
         };
         [
-            format!("{}: {}", self.sensor, self.lie),
-            format!("{}", self.from_s),
+            self.lie.clone(),
+            format!("{:.1}", self.from_s),
             when,
             what,
             who.to_lowercase(),
@@ -188,9 +205,58 @@ const HEAD: [&str; 9] = [
     "mark",
 ];
 
+/// The rigs, and the force of a strong 1/1 of each, N, and the frequency of its optimum, Hz.
+const RIGS: [(&str, f64, f64); 4] = [
+    ("wires", 96.0, 3.68),
+    ("beam-170", 232.0, 9.07),
+    ("beam-150", 274.0, 10.57),
+    ("beam-135", 342.0, 13.07),
+];
+/// Their amplitude, mm.
+const AMPLITUDE_MM: f64 = 0.89;
+
+/// Rows of two sensors that lie in the same run, drawn with `seed`.
+fn pairs(all: &[Lie], count: usize, seed: u64) -> Vec<[String; 9]> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = |from: f64, to: f64| from + (to - from) * f64::from(random.next_u32()) / TWO_32;
+    let mut cases = Vec::new();
+    while cases.len() < count {
+        let mut lie = || {
+            let which = draw(0.0, all.len() as f64) as usize;
+            (&all[which], (draw(0.1, 30.0) * 10.0).round() / 10.0)
+        };
+        let (one, other) = (lie(), lie());
+        if one.0.sensor == other.0.sensor {
+            continue;
+        }
+        let (rig, strong_n, best_hz) = RIGS[draw(0.0, RIGS.len() as f64) as usize];
+        let force_n = draw(0.5, 1.0) * strong_n;
+        let travel_mm = draw(4.5, 6.0) * AMPLITUDE_MM;
+        let limits = format!(
+            "[limits]\nforce_n = {force_n:.1}\ntravel_mm = {travel_mm:.2}\n[trips]\ntravel_mm = {:.2}\n",
+            1.2 * travel_mm
+        );
+        let hz = draw(0.6, 1.3) * best_hz;
+        let by_hand = format!(
+            "mode = \"manual\"\n[[events]]\nat_s = 4.0\nkind = \"set-point\"\nfrequency_hz = {hz:.2}\namplitude_mm = {AMPLITUDE_MM}\n"
+        );
+        let by_itself = draw(0.0, 1.0) < 0.5;
+        let start = if by_itself { String::new() } else { by_hand };
+        cases.push(([one, other], rig, limits, start));
+    }
+    let rows = cases.par_iter().map(|(lies, rig, limits, start)| {
+        let mut row = Row::of(lies, rig, limits, start);
+        let mode = if start.is_empty() { "" } else { " by hand" };
+        row.lie = format!("{rig}{mode}: {}", row.lie);
+        row.cells()
+    });
+    rows.collect()
+}
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let (mut rig, mut limits, mut csv) = ("wires".to_string(), String::new(), None);
+    let mut drawn = None;
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--csv" => csv = Some(arguments.next().expect("--csv FILE")),
@@ -207,6 +273,7 @@ fn main() {
                     writeln!(limits, "{key} = {value}").expect("text");
                 }
             }
+            "--pairs" => drawn = arguments.next(),
             "--aim" => {
                 let n = arguments.next().expect("--aim FORCE_N");
                 write!(limits, "[aim]\nforce_n = {n}\n").expect("text");
@@ -222,10 +289,16 @@ fn main() {
         .iter()
         .flat_map(|lie| LIES_FROM_S.map(|from_s| (lie, from_s)))
         .collect();
-    let rows: Vec<_> = cases
-        .par_iter()
-        .map(|(lie, from_s)| Row::of(lie, *from_s, &rig, &limits).cells())
-        .collect();
+    let rows: Vec<_> = match drawn.as_deref().and_then(|text| text.split_once(',')) {
+        Some((count, seed)) => {
+            let number = |text: &str| text.parse::<u64>().expect("--pairs COUNT,SEED");
+            pairs(&all, number(count) as usize, number(seed))
+        }
+        None => cases
+            .par_iter()
+            .map(|case| Row::of(&[*case], &rig, &limits, "").cells())
+            .collect(),
+    };
     println!("| {} |\n|{}", HEAD.join(" | "), "---|".repeat(HEAD.len()));
     let mut lines = HEAD.join(";") + "\n";
     for row in &rows {
