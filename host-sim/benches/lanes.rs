@@ -1,9 +1,9 @@
-//! Drive cycles per second on one core, early stopping off: lanes by precision and instructions, the reference and the
+//! Drive cycles per second on one core, early stopping off: lanes by instructions, the reference and the
 //! switch model, over cells spread evenly over the chapter's map.
 
 use divan::{Bencher, counter::ItemsCount};
 use numerics::engine::{Engine, Setting};
-use numerics::lanes::{Cell, CellPlan, Instructions, LanePrecision, Options, run_one, run_with};
+use numerics::lanes::{Cell, CellPlan, Instructions, run_one, run_with};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
@@ -37,43 +37,28 @@ fn main() {
 }
 
 #[divan::bench(
-    args = [
-        (LanePrecision::Single, Instructions::Widest),
-        (LanePrecision::Single, Instructions::Avx2),
-        (LanePrecision::Single, Instructions::Scalar),
-        (LanePrecision::Double, Instructions::Widest),
-        (LanePrecision::Double, Instructions::Avx2),
-        (LanePrecision::Double, Instructions::Scalar),
-    ],
+    args = [Instructions::Widest, Instructions::Avx2, Instructions::Scalar],
     sample_count = 3,
     sample_size = 1
 )]
-fn lanes(bencher: Bencher, (precision, instructions): (LanePrecision, Instructions)) {
+fn lanes(bencher: Bencher, instructions: Instructions) {
     let cells = cells(83);
-    let options = Options {
-        precision,
-        instructions,
-    };
     let cycles = cells.len() * PLAN.cycles as usize;
     bencher
         .counter(ItemsCount::new(cycles))
-        .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
+        .bench_local(|| run_with(instructions, &cells, &PLAN).unwrap());
 }
 
-#[divan::bench(args = [LanePrecision::Single, LanePrecision::Double], sample_count = 3, sample_size = 1)]
-fn recoiling_cart(bencher: Bencher, precision: LanePrecision) {
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn recoiling_cart(bencher: Bencher) {
     let mut cells = cells(83);
     for cell in &mut cells {
         cell.params.cart = CartDrive::Loop(ASSUMED_SHAKER);
     }
-    let options = Options {
-        precision,
-        ..Options::default()
-    };
     let cycles = cells.len() * PLAN.cycles as usize;
     bencher
         .counter(ItemsCount::new(cycles))
-        .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
+        .bench_local(|| run_with(Instructions::Widest, &cells, &PLAN).unwrap());
 }
 
 fn one_by_one(bencher: Bencher, engine: Engine, recoil: bool) {

@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use numerics::engine::Engine;
-use numerics::lanes::{Cell, CellOutcome, CellPlan, LanePrecision, Options, by_engine, run_with};
+use numerics::lanes::{Cell, CellOutcome, CellPlan, Instructions, by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::contact::LawKind;
@@ -54,24 +54,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{count} cells, seed {seed}; reference: {:.1} s",
         began.elapsed().as_secs_f64()
     );
-    for precision in [LanePrecision::Double, LanePrecision::Single] {
-        for early in [false, true] {
-            let plan = CellPlan {
-                early,
-                ..CellPlan::CHAPTER
-            };
-            let options = Options {
-                precision,
-                ..Options::default()
-            };
-            let began = Instant::now();
-            let (ours, report) = run_with(options, &cells, &plan)?;
-            let seconds = began.elapsed().as_secs_f64();
-            let rate = report.work.cycles as f64 / seconds * 1e-6;
-            println!("\n{precision:?}, early {early}: {seconds:.3} s, {rate:.2} million cycles/s");
-            println!("{report:?}");
-            compare(&cells, &ours, &reference);
-        }
+    for early in [false, true] {
+        let plan = CellPlan {
+            early,
+            ..CellPlan::CHAPTER
+        };
+        let began = Instant::now();
+        let (ours, report) = run_with(Instructions::Widest, &cells, &plan)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let rate = report.work.cycles as f64 / seconds * 1e-6;
+        println!("\nearly {early}: {seconds:.3} s, {rate:.2} million cycles/s");
+        println!("{report:?}");
+        compare(&cells, &ours, &reference);
     }
     Ok(())
 }

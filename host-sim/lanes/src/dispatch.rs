@@ -1,4 +1,4 @@
-//! One kernel for each instruction set and precision, chosen when it runs.
+//! One kernel for each instruction set, chosen when it runs.
 
 #[cfg(not(target_arch = "wasm32"))]
 use pulp::Arch;
@@ -9,21 +9,10 @@ use super::job::{Job, Tuning, Work};
 use super::meet::EventMargins;
 use super::pool::run;
 use super::ring::Reach;
-use super::width::{Double, Single, VectorPair};
+use super::width::{Double, VectorPair};
 use super::{Cell, CellOutcome, CellPlan};
 
-/// The floating-point format of the lanes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LanePrecision {
-    /// f32: faster by half, but sections converge only to its grain, so that cells stop later. In WebAssembly, f64 all the
-    /// same.
-    Single,
-    /// f64.
-    #[default]
-    Double,
-}
-
-/// The instruction set.
+/// The instruction set: it changes the time taken and nothing else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
     /// The widest this machine has.
@@ -35,42 +24,29 @@ pub enum Instructions {
     Scalar,
 }
 
-/// How the lanes run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// The floating-point format.
-    pub precision: LanePrecision,
-    /// The instruction set: it changes the time taken and nothing else.
-    pub instructions: Instructions,
-}
-
 /// A motion whose top is nearer to the surface than this, in cart amplitudes, may or may not touch it: about the error of
-/// the steps below over a drive cycle (1e-5 in f64, 5e-5 in f32; more if the hammer swings wider than 0.15 rad).
+/// the steps below over a drive cycle (1e-5; more if the hammer swings wider than 0.15 rad).
 const GRAZING: f64 = 2e-5;
 
 /// A ring has died out at so many times the error of a step: below about once, the error itself keeps it up.
 const RING_OVER: f64 = 3.0;
 
-impl LanePrecision {
-    fn tuning(self) -> Tuning {
-        let (step, rest, grain, ring) = match self {
-            Self::Double => (1.6, 1e-5, 1e-9, 2e-6),
-            Self::Single => (1.8, 2e-4, 1e-5, 5e-6),
-        };
-        Tuning {
-            step,
-            margins: EventMargins {
-                grazing: GRAZING,
-                rest,
-            },
-            grain,
-            reach: Reach::new(ring),
-            dead: RING_OVER * ring,
-        }
+/// The tuning of the first run.
+fn usual() -> Tuning {
+    const RING: f64 = 2e-6;
+    Tuning {
+        step: 1.6,
+        margins: EventMargins {
+            grazing: GRAZING,
+            rest: 1e-5,
+        },
+        grain: 1e-9,
+        reach: Reach::new(RING),
+        dead: RING_OVER * RING,
     }
 }
 
-/// The tuning with which cells with an uncertain event are run again, in f64.
+/// The tuning with which cells with an uncertain event are run again.
 fn fine() -> Tuning {
     Tuning {
         step: 0.8,
@@ -97,8 +73,8 @@ pub struct Tried {
     pub work: Work,
 }
 
-/// Runs cells in this thread's lanes; those in which an event was uncertain a second time, in f64 with half the step.
-pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
+/// Runs cells in this thread's lanes; those in which an event was uncertain a second time, with half the step.
+pub fn try_run(instructions: Instructions, cells: &[Cell], plan: &CellPlan) -> Tried {
     let mut tried = Tried {
         outcomes: vec![None; cells.len()],
         fit: vec![false; cells.len()],
@@ -129,25 +105,23 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
             continue;
         }
         let op = Run {
-            precision: options.precision,
-            tuning: options.precision.tuning(),
+            tuning: usual(),
             beams: kind == EquationKind::Beams,
             jobs: &jobs,
             plan,
         };
-        let (mut done, work) = dispatch(options.instructions, recoil, op);
+        let (mut done, work) = dispatch(instructions, recoil, op);
         tried.work += work;
         let lost: Vec<_> = (0..done.len()).filter(|i| done[*i].is_none()).collect();
         tried.again += lost.len() as u64;
         if !lost.is_empty() {
             let jobs: Vec<_> = lost.iter().map(|i| jobs[*i]).collect();
             let finer = Run {
-                precision: LanePrecision::Double,
                 tuning: fine(),
                 jobs: &jobs,
                 ..op
             };
-            let (better, work) = dispatch(options.instructions, recoil, finer);
+            let (better, work) = dispatch(instructions, recoil, finer);
             tried.work += work;
             for (i, outcome) in lost.into_iter().zip(better) {
                 done[i] = outcome;
@@ -162,7 +136,6 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
 
 #[derive(Clone, Copy)]
 struct Run<'a> {
-    precision: LanePrecision,
     tuning: Tuning,
     beams: bool,
     jobs: &'a [Job],
@@ -178,31 +151,16 @@ impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Run {
-            precision,
             tuning,
             beams,
             jobs,
             plan,
         } = self.0;
-        // A page has one kernel: of f64 in the one instruction set that it was compiled for.
-        if const { cfg!(target_arch = "wasm32") } {
-            return run::<_, RECOIL>(VectorPair(Double(simd)), beams, jobs, plan, tuning);
-        }
         // Without vectors a pair would only make the kernel larger.
         if const { S::F64_LANES == 1 } {
-            return match precision {
-                LanePrecision::Single => run::<_, RECOIL>(Single(simd), beams, jobs, plan, tuning),
-                LanePrecision::Double => run::<_, RECOIL>(Double(simd), beams, jobs, plan, tuning),
-            };
+            return run::<_, RECOIL>(Double(simd), beams, jobs, plan, tuning);
         }
-        match precision {
-            LanePrecision::Single => {
-                run::<_, RECOIL>(VectorPair(Single(simd)), beams, jobs, plan, tuning)
-            }
-            LanePrecision::Double => {
-                run::<_, RECOIL>(VectorPair(Double(simd)), beams, jobs, plan, tuning)
-            }
-        }
+        run::<_, RECOIL>(VectorPair(Double(simd)), beams, jobs, plan, tuning)
     }
 }
 

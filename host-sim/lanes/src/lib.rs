@@ -14,12 +14,12 @@
 //! | `job` | what the lanes are given and count |
 //! | `pool` | the loop over the lanes |
 //! | `reduce` | what a cell showed, from its strobes |
-//! | `width`, `number` | vectors of any instruction set and precision, and formulas in them |
+//! | `width`, `number` | vectors of any instruction set, and formulas in them |
 //! | `constants` | a cell in dimensionless form, if the lanes can run it |
 //!
 //! A cell that the lanes cannot run, or in which an event is uncertain, comes back without an outcome; the package
-//! `numerics` gives it to the reference. This is a package of its own since its kernels, one per instruction set and
-//! precision, take long to compile.
+//! `numerics` gives it to the reference. This is a package of its own since its kernels, one per instruction set, take long to
+//! compile.
 
 mod cart;
 mod constants;
@@ -45,7 +45,7 @@ mod width;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-pub use dispatch::{Instructions, LanePrecision, Options, Tried, try_run};
+pub use dispatch::{Instructions, Tried, try_run};
 pub use job::Work;
 pub use reduce::SETTLED_WITHIN;
 pub use settling::Strobes;

@@ -26,7 +26,7 @@ impl<W: LaneWidth> Num<W> {
     }
     /// From a row.
     #[inline(always)]
-    pub fn load(w: W, row: &LaneNumbers<W::E>) -> Self {
+    pub fn load(w: W, row: &LaneNumbers) -> Self {
         Self {
             w,
             v: w.load(row, 0),
@@ -34,7 +34,7 @@ impl<W: LaneWidth> Num<W> {
     }
     /// Into a row.
     #[inline(always)]
-    pub fn store(self, row: &mut LaneNumbers<W::E>) {
+    pub fn store(self, row: &mut LaneNumbers) {
         self.w.store(row, 0, self.v);
     }
     /// The same constant beside this vector.
@@ -99,10 +99,10 @@ impl<W: LaneWidth> Mask<W> {
     /// The lanes in which it is true, by bit.
     #[inline(always)]
     pub fn bits(self) -> u32 {
-        let mut row = [W::E::default(); MAX_LANES];
+        let mut row = [0.0; MAX_LANES];
         let zero = Num::splat(self.w, 0.0);
         self.choose(Num::splat(self.w, 1.0), zero).store(&mut row);
-        let bit = |lane: usize| u32::from(row[lane] != W::E::default()) << lane;
+        let bit = |lane: usize| u32::from(row[lane] != 0.0) << lane;
         (0..W::LANES).map(bit).fold(0, |bits, bit| bits | bit)
     }
 }

@@ -16,7 +16,7 @@ use super::rows::Rows;
 use super::series::{horner, sin_cos};
 use super::sustained::Sustained;
 use super::touch::{Anchor, HeldCart, SurfaceLanes, contact};
-use super::width::{Element, LaneNumbers, LaneWidth, MAX_LANES};
+use super::width::{LaneNumbers, LaneWidth, MAX_LANES};
 use super::{CellOutcome, CellPlan};
 
 /// What a lane holds beside its rows.
@@ -50,7 +50,7 @@ struct Pool<'a, W: LaneWidth> {
     next: usize,
     plan: &'a CellPlan,
     tuning: Tuning,
-    rows: Box<Rows<W::E>>,
+    rows: Box<Rows>,
     lanes: Vec<Lane>,
     out: Vec<Option<CellOutcome>>,
     /// Whether contacts have no closed form.
@@ -104,7 +104,7 @@ impl<W: LaneWidth> Pool<'_, W> {
     #[inline(always)]
     fn iterate<const RECOIL: bool>(&mut self, beams: bool) {
         let w = self.w;
-        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers| Num::load(w, row);
         let rows = &mut *self.rows;
         let field = FlightLanes {
             rest: load(&rows.rest),
@@ -185,20 +185,20 @@ impl<W: LaneWidth> Pool<'_, W> {
     fn section(&mut self, strobe: Mask<W>, x: Num<W>, v: Num<W>) {
         let w = self.w;
         let rows = &*self.rows;
-        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers| Num::load(w, row);
         let from_rest = x + load(&rows.rest);
         let swing2 = from_rest.mul_add(from_rest, v * v * load(&rows.soft));
         let tame = swing2.lt(load(&rows.widest2));
-        let (mut xs, mut vs) = ([W::E::default(); MAX_LANES], [W::E::default(); MAX_LANES]);
+        let (mut xs, mut vs) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
         x.store(&mut xs);
         v.store(&mut vs);
         for lane in each((strobe & tame).bits()) {
-            let onsets = self.rows.onsets[lane].to_f64();
+            let onsets = self.rows.onsets[lane];
             let held = &mut self.lanes[lane];
             let record = StrobeRecord {
-                x: xs[lane].to_f64(),
-                v: vs[lane].to_f64(),
-                force: self.rows.peak[lane].to_f64() as f32,
+                x: xs[lane],
+                v: vs[lane],
+                force: self.rows.peak[lane] as f32,
                 onsets: onsets as u16,
                 touched: onsets > 0.0 || mem::take(&mut held.carried),
                 chatter: mem::take(&mut held.chatter),
@@ -228,9 +228,9 @@ impl<W: LaneWidth> Pool<'_, W> {
     fn touch<const RECOIL: bool>(&mut self, hit: Mask<W>) -> Mask<W> {
         self.work.contact_rounds += 1;
         let w = self.w;
-        let load = |row: &LaneNumbers<W::E>| Num::load(w, row);
+        let load = |row: &LaneNumbers| Num::load(w, row);
         let rows = &mut *self.rows;
-        let anchor = |rows: &[LaneNumbers<W::E>; 3]| Anchor {
+        let anchor = |rows: &[LaneNumbers; 3]| Anchor {
             phase: load(&rows[0]),
             cos: load(&rows[1]),
             sin: load(&rows[2]),

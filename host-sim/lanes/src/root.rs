@@ -45,7 +45,7 @@ pub fn root<W: LaneWidth>(
     let mut steep = flat * width;
     let mut open = wanted & sound;
     let mut astray = wanted & !sound;
-    // Steps on the path itself, with 1/slope refined from the last: one is nearly always enough in f32, two in f64.
+    // Steps on the path itself, with 1/slope refined from the last: one is often enough, two nearly always.
     for _ in 0..3 {
         let (value, slope) = horner(path, s);
         let off = slope.mul_sub_from(steep, one);

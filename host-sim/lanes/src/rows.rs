@@ -2,56 +2,55 @@
 
 use super::cart::{Joint, Ringing};
 use super::job::Job;
-use super::width::{Element, LaneNumbers};
+use super::width::LaneNumbers;
 
 /// Phase of an onset that never was.
 const NEVER: f64 = -1e6;
 
 /// Everything the lanes hold, one row per quantity.
 #[derive(Default)]
-pub struct Rows<E> {
-    pub x: LaneNumbers<E>,
-    pub v: LaneNumbers<E>,
-    pub tau: LaneNumbers<E>,
-    pub step: LaneNumbers<E>,
-    pub per_step: LaneNumbers<E>,
-    pub peak: LaneNumbers<E>,
-    pub onsets: LaneNumbers<E>,
-    pub recent: [LaneNumbers<E>; 3],
-    pub rest: LaneNumbers<E>,
-    pub drive: LaneNumbers<E>,
-    pub bend: LaneNumbers<E>,
-    pub spring: LaneNumbers<E>,
-    pub damping: LaneNumbers<E>,
+pub struct Rows {
+    pub x: LaneNumbers,
+    pub v: LaneNumbers,
+    pub tau: LaneNumbers,
+    pub step: LaneNumbers,
+    pub per_step: LaneNumbers,
+    pub peak: LaneNumbers,
+    pub onsets: LaneNumbers,
+    pub recent: [LaneNumbers; 3],
+    pub rest: LaneNumbers,
+    pub drive: LaneNumbers,
+    pub bend: LaneNumbers,
+    pub spring: LaneNumbers,
+    pub damping: LaneNumbers,
     /// The reciprocal of `spring`.
-    pub soft: LaneNumbers<E>,
+    pub soft: LaneNumbers,
     /// [`Constants::widest2`](super::constants::Constants::widest2).
-    pub widest2: LaneNumbers<E>,
-    pub pull: LaneNumbers<E>,
-    pub contact_spring: LaneNumbers<E>,
-    pub contact_damper: LaneNumbers<E>,
-    pub decay: LaneNumbers<E>,
-    pub pulsation: LaneNumbers<E>,
-    pub short: LaneNumbers<E>,
-    pub rho: LaneNumbers<E>,
-    pub forced_sin: LaneNumbers<E>,
-    pub forced_cos: LaneNumbers<E>,
-    pub forced_mean: LaneNumbers<E>,
-    pub release: [LaneNumbers<E>; 3],
-    pub top: [LaneNumbers<E>; 3],
+    pub widest2: LaneNumbers,
+    pub pull: LaneNumbers,
+    pub contact_spring: LaneNumbers,
+    pub contact_damper: LaneNumbers,
+    pub decay: LaneNumbers,
+    pub pulsation: LaneNumbers,
+    pub short: LaneNumbers,
+    pub rho: LaneNumbers,
+    pub forced_sin: LaneNumbers,
+    pub forced_cos: LaneNumbers,
+    pub forced_mean: LaneNumbers,
+    pub release: [LaneNumbers; 3],
+    pub top: [LaneNumbers; 3],
     /// A cart that recoils: its ring and the ring's rate; x and v are then those of the slow part.
-    pub ring: [LaneNumbers<E>; 2],
+    pub ring: [LaneNumbers; 2],
     /// Where it and its rate are while the lane touches.
-    pub cart: [LaneNumbers<E>; 2],
-    pub ringing: Ringing<LaneNumbers<E>>,
-    pub joint: Joint<LaneNumbers<E>>,
+    pub cart: [LaneNumbers; 2],
+    pub ringing: Ringing<LaneNumbers>,
+    pub joint: Joint<LaneNumbers>,
 }
 
-impl<E: Element> Rows<E> {
+impl Rows {
     /// Puts a cell at its start into a lane, to take steps of `step` (drive phase, rad).
     pub fn fill(&mut self, lane: usize, job: &Job, step: f64) {
         let c = &job.constants;
-        let e = E::from_f64;
         for (row, value) in [
             (&mut self.x, job.x),
             (&mut self.v, job.v),
@@ -78,16 +77,16 @@ impl<E: Element> Rows<E> {
             (&mut self.forced_cos, c.forced_cos),
             (&mut self.forced_mean, c.forced_mean),
         ] {
-            row[lane] = e(value);
+            row[lane] = value;
         }
         for row in &mut self.recent {
-            row[lane] = e(NEVER);
+            row[lane] = NEVER;
         }
         for row in self.ring.iter_mut().chain(&mut self.cart) {
-            row[lane] = e(0.0);
+            row[lane] = 0.0;
         }
         if let Some(recoil) = &c.recoil {
-            let put = |row: &mut LaneNumbers<E>, value| row[lane] = e(value);
+            let put = |row: &mut LaneNumbers, value| row[lane] = value;
             self.ringing.put(&recoil.ringing, put);
             self.joint.put(&recoil.joint, put);
             let ring = recoil.ring([c.rest + job.x, job.v], [0.0; 2], job.tau);
@@ -100,25 +99,22 @@ impl<E: Element> Rows<E> {
             let left = libm::exp(-c.decay / c.pulsation * phase);
             let (sin, cos) = libm::sincos(phase);
             for (row, value) in rows.iter_mut().zip([phase, left * cos, left * sin]) {
-                row[lane] = e(value);
+                row[lane] = value;
             }
         }
     }
 
     /// The hammer of a lane at `x`, `v` with a cart that rings.
     pub fn depart(&mut self, lane: usize, [x, v]: [f64; 2], [z, w]: [f64; 2]) {
-        let e = E::from_f64;
-        // In the lane's precision, so that a hammer on the surface is on it.
-        let z = e(z);
-        self.x[lane] = e(x - z.to_f64());
-        self.v[lane] = e(v - w);
+        self.x[lane] = x - z;
+        self.v[lane] = v - w;
         self.ring[0][lane] = z;
-        self.ring[1][lane] = e(w);
+        self.ring[1][lane] = w;
     }
 
     /// A lane that stands still below the surface.
     pub fn stand(&mut self, lane: usize) {
-        self.x[lane] = E::from_f64(-1.0);
+        self.x[lane] = -1.0;
         for row in [
             &mut self.v,
             &mut self.tau,
@@ -128,7 +124,7 @@ impl<E: Element> Rows<E> {
         .into_iter()
         .chain(&mut self.ring)
         {
-            row[lane] = E::default();
+            row[lane] = 0.0;
         }
     }
 }

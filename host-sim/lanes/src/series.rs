@@ -1,7 +1,7 @@
 //! Polynomials and circular functions in lanes.
 
 use super::number::Num;
-use super::width::{Element, LaneWidth};
+use super::width::LaneWidth;
 
 /// Value and slope of the polynomial Σ c_k s^k, its even and odd terms apart: four short chains instead of two long ones.
 #[inline(always)]
@@ -48,11 +48,9 @@ pub fn series<W: LaneWidth, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
 pub fn sin_cos<W: LaneWidth>(a: Num<W>) -> (Num<W>, Num<W>) {
     use core::f64::consts::FRAC_PI_2;
     // A number whose last bit is 1/1: adding and taking it away rounds.
-    let rounder = 0.75 / W::E::GRAIN;
+    let rounder = 1.5 / f64::EPSILON;
     let quarter = (a * (1.0 / FRAC_PI_2) + rounder) - rounder;
-    let high = W::E::from_f64(FRAC_PI_2).to_f64();
-    let r = quarter.mul_sub_from(a.of(high), a);
-    let r = quarter.mul_sub_from(a.of(FRAC_PI_2 - high), r);
+    let r = quarter.mul_sub_from(a.of(FRAC_PI_2), a);
     let z = r * r;
     let sin = r * series(SIN, z);
     let cos = series(COS, z);

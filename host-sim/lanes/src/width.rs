@@ -1,4 +1,4 @@
-//! Vectors: one register of f32 or f64, or two, whatever the instruction set.
+//! Vectors of f64: one register, or two, whatever the instruction set.
 //!
 //! Every operation used is correctly rounded by IEEE 754 (sum, product, fused multiply-add, quotient, square root) or
 //! exact (comparison, choice), so that a lane's result has the same bits on AVX-512, AVX2, NEON and without vectors.
@@ -9,49 +9,13 @@
 use pulp::Simd;
 
 /// Most lanes in one vector.
-pub const MAX_LANES: usize = 32;
+pub const MAX_LANES: usize = 16;
 
 /// One number per lane, in memory.
-pub type LaneNumbers<E> = [E; MAX_LANES];
+pub type LaneNumbers = [f64; MAX_LANES];
 
-/// A lane's number.
-pub trait Element: Copy + Default + PartialOrd + Send + Sync + 'static {
-    /// Half the distance from 1 to the next number.
-    const GRAIN: f64;
-    /// Rounds.
-    fn from_f64(x: f64) -> Self;
-    /// Exact.
-    fn to_f64(self) -> f64;
-}
-
-impl Element for f32 {
-    const GRAIN: f64 = f32::EPSILON as f64 / 2.0;
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        x as f32
-    }
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-}
-
-impl Element for f64 {
-    const GRAIN: f64 = f64::EPSILON / 2.0;
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        x
-    }
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        self
-    }
-}
-
-/// An instruction set and a precision.
+/// An instruction set.
 pub trait LaneWidth: Copy {
-    /// A lane's number.
-    type E: Element;
     /// A vector.
     type V: Copy;
     /// A truth per lane.
@@ -62,9 +26,9 @@ pub trait LaneWidth: Copy {
     /// The same number in every lane.
     fn splat(self, x: f64) -> Self::V;
     /// Reads the `part`-th [`Self::LANES`] of a row.
-    fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V;
+    fn load(self, row: &LaneNumbers, part: usize) -> Self::V;
     /// Writes the `part`-th [`Self::LANES`] of a row.
-    fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V);
+    fn store(self, row: &mut LaneNumbers, part: usize, x: Self::V);
     /// a + b.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     /// a − b.
@@ -97,157 +61,94 @@ pub trait LaneWidth: Copy {
     fn any(self, m: Self::M) -> bool;
 }
 
-/// f32 lanes.
-#[derive(Clone, Copy)]
-pub struct Single<S>(pub S);
-
 /// f64 lanes.
 #[derive(Clone, Copy)]
 pub struct Double<S>(pub S);
 
-macro_rules! width {
-    ($name:ident, $e:ty, $v:ident, $m:ident, $lanes:ident,
-     $splat:ident, $simd:ident, $simd_mut:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
-     $fma:ident, $fnma:ident, $neg:ident, $abs:ident, $sqrt:ident, $lt:ident, $select:ident,
-     $and:ident, $or:ident, $not:ident, $first:ident) => {
-        impl<S: Simd> LaneWidth for $name<S> {
-            type E = $e;
-            type V = S::$v;
-            type M = S::$m;
-            const LANES: usize = S::$lanes;
+impl<S: Simd> LaneWidth for Double<S> {
+    type V = S::f64s;
+    type M = S::m64s;
+    const LANES: usize = S::F64_LANES;
 
-            #[inline(always)]
-            fn splat(self, x: f64) -> Self::V {
-                self.0.$splat(x as $e)
-            }
-            #[inline(always)]
-            fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V {
-                S::$simd(row).0[part]
-            }
-            #[inline(always)]
-            fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V) {
-                S::$simd_mut(row).0[part] = x;
-            }
-            #[inline(always)]
-            fn add(self, a: Self::V, b: Self::V) -> Self::V {
-                self.0.$add(a, b)
-            }
-            #[inline(always)]
-            fn sub(self, a: Self::V, b: Self::V) -> Self::V {
-                self.0.$sub(a, b)
-            }
-            #[inline(always)]
-            fn mul(self, a: Self::V, b: Self::V) -> Self::V {
-                self.0.$mul(a, b)
-            }
-            #[inline(always)]
-            fn div(self, a: Self::V, b: Self::V) -> Self::V {
-                self.0.$div(a, b)
-            }
-            #[inline(always)]
-            fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
-                if cfg!(target_arch = "wasm32") {
-                    return self.0.$add(self.0.$mul(a, b), c);
-                }
-                self.0.$fma(a, b, c)
-            }
-            #[inline(always)]
-            fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
-                if cfg!(target_arch = "wasm32") {
-                    return self.0.$sub(c, self.0.$mul(a, b));
-                }
-                self.0.$fnma(a, b, c)
-            }
-            #[inline(always)]
-            fn neg(self, a: Self::V) -> Self::V {
-                self.0.$neg(a)
-            }
-            #[inline(always)]
-            fn abs(self, a: Self::V) -> Self::V {
-                self.0.$abs(a)
-            }
-            #[inline(always)]
-            fn sqrt(self, a: Self::V) -> Self::V {
-                self.0.$sqrt(a)
-            }
-            #[inline(always)]
-            fn lt(self, a: Self::V, b: Self::V) -> Self::M {
-                self.0.$lt(a, b)
-            }
-            #[inline(always)]
-            fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V {
-                self.0.$select(m, a, b)
-            }
-            #[inline(always)]
-            fn and(self, a: Self::M, b: Self::M) -> Self::M {
-                self.0.$and(a, b)
-            }
-            #[inline(always)]
-            fn or(self, a: Self::M, b: Self::M) -> Self::M {
-                self.0.$or(a, b)
-            }
-            #[inline(always)]
-            fn not(self, a: Self::M) -> Self::M {
-                self.0.$not(a)
-            }
-            #[inline(always)]
-            fn any(self, m: Self::M) -> bool {
-                self.0.$first(m) < Self::LANES
-            }
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self::V {
+        self.0.splat_f64s(x)
+    }
+    #[inline(always)]
+    fn load(self, row: &LaneNumbers, part: usize) -> Self::V {
+        S::as_simd_f64s(row).0[part]
+    }
+    #[inline(always)]
+    fn store(self, row: &mut LaneNumbers, part: usize, x: Self::V) {
+        S::as_mut_simd_f64s(row).0[part] = x;
+    }
+    #[inline(always)]
+    fn add(self, a: Self::V, b: Self::V) -> Self::V {
+        self.0.add_f64s(a, b)
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+        self.0.sub_f64s(a, b)
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::V, b: Self::V) -> Self::V {
+        self.0.mul_f64s(a, b)
+    }
+    #[inline(always)]
+    fn div(self, a: Self::V, b: Self::V) -> Self::V {
+        self.0.div_f64s(a, b)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        if cfg!(target_arch = "wasm32") {
+            return self.0.add_f64s(self.0.mul_f64s(a, b), c);
         }
-    };
+        self.0.mul_add_f64s(a, b, c)
+    }
+    #[inline(always)]
+    fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        if cfg!(target_arch = "wasm32") {
+            return self.0.sub_f64s(c, self.0.mul_f64s(a, b));
+        }
+        self.0.negate_mul_add_f64s(a, b, c)
+    }
+    #[inline(always)]
+    fn neg(self, a: Self::V) -> Self::V {
+        self.0.neg_f64s(a)
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::V) -> Self::V {
+        self.0.abs_f64s(a)
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::V) -> Self::V {
+        self.0.sqrt_f64s(a)
+    }
+    #[inline(always)]
+    fn lt(self, a: Self::V, b: Self::V) -> Self::M {
+        self.0.less_than_f64s(a, b)
+    }
+    #[inline(always)]
+    fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V {
+        self.0.select_f64s(m, a, b)
+    }
+    #[inline(always)]
+    fn and(self, a: Self::M, b: Self::M) -> Self::M {
+        self.0.and_m64s(a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: Self::M, b: Self::M) -> Self::M {
+        self.0.or_m64s(a, b)
+    }
+    #[inline(always)]
+    fn not(self, a: Self::M) -> Self::M {
+        self.0.not_m64s(a)
+    }
+    #[inline(always)]
+    fn any(self, m: Self::M) -> bool {
+        self.0.first_true_m64s(m) < Self::LANES
+    }
 }
-
-width!(
-    Single,
-    f32,
-    f32s,
-    m32s,
-    F32_LANES,
-    splat_f32s,
-    as_simd_f32s,
-    as_mut_simd_f32s,
-    add_f32s,
-    sub_f32s,
-    mul_f32s,
-    div_f32s,
-    mul_add_f32s,
-    negate_mul_add_f32s,
-    neg_f32s,
-    abs_f32s,
-    sqrt_f32s,
-    less_than_f32s,
-    select_f32s,
-    and_m32s,
-    or_m32s,
-    not_m32s,
-    first_true_m32s
-);
-width!(
-    Double,
-    f64,
-    f64s,
-    m64s,
-    F64_LANES,
-    splat_f64s,
-    as_simd_f64s,
-    as_mut_simd_f64s,
-    add_f64s,
-    sub_f64s,
-    mul_f64s,
-    div_f64s,
-    mul_add_f64s,
-    negate_mul_add_f64s,
-    neg_f64s,
-    abs_f64s,
-    sqrt_f64s,
-    less_than_f64s,
-    select_f64s,
-    and_m64s,
-    or_m64s,
-    not_m64s,
-    first_true_m64s
-);
 
 /// Two vectors side by side: while one waits for a result, the other is computed.
 #[derive(Clone, Copy)]
@@ -263,7 +164,6 @@ macro_rules! both {
 }
 
 impl<W: LaneWidth> LaneWidth for VectorPair<W> {
-    type E = W::E;
     type V = (W::V, W::V);
     type M = (W::M, W::M);
     const LANES: usize = 2 * W::LANES;
@@ -273,11 +173,11 @@ impl<W: LaneWidth> LaneWidth for VectorPair<W> {
         (self.0.splat(x), self.0.splat(x))
     }
     #[inline(always)]
-    fn load(self, row: &LaneNumbers<Self::E>, part: usize) -> Self::V {
+    fn load(self, row: &LaneNumbers, part: usize) -> Self::V {
         (self.0.load(row, 2 * part), self.0.load(row, 2 * part + 1))
     }
     #[inline(always)]
-    fn store(self, row: &mut LaneNumbers<Self::E>, part: usize, x: Self::V) {
+    fn store(self, row: &mut LaneNumbers, part: usize, x: Self::V) {
         self.0.store(row, 2 * part, x.0);
         self.0.store(row, 2 * part + 1, x.1);
     }

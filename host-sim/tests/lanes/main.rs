@@ -4,8 +4,8 @@ mod recoil;
 
 use numerics::engine::Engine;
 use numerics::lanes::{
-    Cell, CellOutcome, CellPlan, Instructions, LanePrecision, Options, Report, by_engine, run,
-    run_reported, run_serial, run_with,
+    Cell, CellOutcome, CellPlan, Instructions, Report, by_engine, run, run_reported, run_serial,
+    run_with,
 };
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
@@ -58,13 +58,6 @@ const FULL: CellPlan = CellPlan {
     ..CellPlan::CHAPTER
 };
 
-fn options(precision: LanePrecision, instructions: Instructions) -> Options {
-    Options {
-        precision,
-        instructions,
-    }
-}
-
 fn close(a: f64, b: f64, share: f64) -> bool {
     (a - b).abs() <= share * b.abs()
 }
@@ -85,21 +78,18 @@ fn agreement(ours: &[CellOutcome], theirs: &[CellOutcome]) -> (usize, usize, usi
 fn a_random_sample_of_the_map_agrees_with_the_reference() {
     let cells = sample(140, 1);
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let (ours, report) =
-            run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
-        let (both, same, force) = agreement(&ours, &reference);
-        assert!(both > 80, "{both}");
-        // 99 % and 99.5 % over the map; one cell on an edge is 1 % here.
-        assert!(
-            same + 1 >= both && force + 1 >= both,
-            "{both} {same} {force}"
-        );
-        assert!(report.flagged <= 2 && report.unfit == 0, "{report:?}");
-        let labels = ours.iter().zip(&reference);
-        let labels = labels.filter(|(a, b)| a.regime.to_string() == b.regime.to_string());
-        assert!(labels.count() * 100 >= 93 * cells.len());
-    }
+    let (ours, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
+    let (both, same, force) = agreement(&ours, &reference);
+    assert!(both > 80, "{both}");
+    // 99 % and 99.5 % over the map; one cell on an edge is 1 % here.
+    assert!(
+        same + 1 >= both && force + 1 >= both,
+        "{both} {same} {force}"
+    );
+    assert!(report.flagged <= 2 && report.unfit == 0, "{report:?}");
+    let labels = ours.iter().zip(&reference);
+    let labels = labels.filter(|(a, b)| a.regime.to_string() == b.regime.to_string());
+    assert!(labels.count() * 100 >= 93 * cells.len());
 }
 
 /// Contacts without a closed form, with the cart prescribed and recoiling, on wires and beams.
@@ -108,7 +98,7 @@ fn every_lossy_contact_law_agrees_with_the_reference() {
     for kind in LawKind::all().filter(|kind| *kind != LawKind::SpringDashpot && kind.is_lossy()) {
         let cells = sample_by(kind, 40, 5);
         let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-        let (ours, report) = run_with(Options::default(), &cells, &FULL).unwrap();
+        let (ours, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
         let (both, same, force) = agreement(&ours, &reference);
         assert!(both > 15, "{kind:?}: {both}");
         assert!(
@@ -127,15 +117,12 @@ fn a_last_weak_hop_is_counted() {
         .map(|i| cell(BEAM_170, 0.134417e-3, (0.65 + 2e-4 * f64::from(i)) * 4.5))
         .collect();
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let (ours, report) =
-            run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
-        for (i, (a, b)) in ours.iter().zip(&reference).enumerate() {
-            assert_eq!(a.regime, b.regime, "{i} {precision:?}");
-            assert!(close(a.force_n, b.force_n, 1e-4), "{i} {precision:?}");
-        }
-        assert!(report.flagged <= 2, "{report:?}");
+    let (ours, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
+    for (i, (a, b)) in ours.iter().zip(&reference).enumerate() {
+        assert_eq!(a.regime, b.regime, "{i}");
+        assert!(close(a.force_n, b.force_n, 1e-4), "{i}");
     }
+    assert!(report.flagged <= 2, "{report:?}");
 }
 
 #[test]
@@ -148,13 +135,10 @@ fn every_instruction_set_gives_the_same_bytes() {
         early: true,
         strobes: 3,
     };
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let (widest, _) =
-            run_with(options(precision, Instructions::Widest), &cells, &plan).unwrap();
-        for instructions in [Instructions::Avx2, Instructions::Scalar] {
-            let (other, _) = run_with(options(precision, instructions), &cells, &plan).unwrap();
-            assert_eq!(widest, other, "{precision:?} {instructions:?}");
-        }
+    let (widest, _) = run_with(Instructions::Widest, &cells, &plan).unwrap();
+    for instructions in [Instructions::Avx2, Instructions::Scalar] {
+        let (other, _) = run_with(instructions, &cells, &plan).unwrap();
+        assert_eq!(widest, other, "{instructions:?}");
     }
 }
 
@@ -225,7 +209,7 @@ fn a_start_at_another_phase_follows_the_reference() {
             one.phase = phase;
             let scale = Rig::<f64>::new(&one.params).unwrap().coordinate_scale();
             one.start[1] = 1.5 * scale * std::f64::consts::TAU * hz;
-            let best = options(LanePrecision::Double, Instructions::Widest);
+            let best = Instructions::Widest;
             let (ours, _) = run_with(best, &[one], &plan).unwrap();
             let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
             assert_eq!(ours[0].strobes.len(), 6);
@@ -250,7 +234,7 @@ fn chatter_ends_as_the_reference_has_it() {
     let cells: Vec<_> = (0..12)
         .map(|i| cell(WIRES, 0.0, 1.41 + 0.05 * f64::from(i)))
         .collect();
-    let best = options(LanePrecision::Double, Instructions::Widest);
+    let best = Instructions::Widest;
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     let mut chatters = 0;
@@ -282,7 +266,7 @@ fn hops_that_come_back_before_they_are_out_are_counted() {
             Cell { ..one }
         })
         .collect();
-    let best = options(LanePrecision::Double, Instructions::Widest);
+    let best = Instructions::Widest;
     let (ours, _) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     for (i, (a, b)) in ours.iter().zip(&theirs).enumerate() {
@@ -320,18 +304,16 @@ fn grazing_is_told_rightly_or_flagged() {
             low = middle;
         }
     }
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let best = options(precision, Instructions::Widest);
-        let mut flagged = 0;
-        for exponent in -11..-1 {
-            for share in [low - 10_f64.powi(exponent), high + 10_f64.powi(exponent)] {
-                let (ours, report) = run_with(best, &[speed_of(share)], &plan).unwrap();
-                flagged += report.flagged;
-                assert_eq!(ours[0].last_contact.is_some(), share > low, "{exponent}");
-            }
+    let best = Instructions::Widest;
+    let mut flagged = 0;
+    for exponent in -11..-1 {
+        for share in [low - 10_f64.powi(exponent), high + 10_f64.powi(exponent)] {
+            let (ours, report) = run_with(best, &[speed_of(share)], &plan).unwrap();
+            flagged += report.flagged;
+            assert_eq!(ours[0].last_contact.is_some(), share > low, "{exponent}");
         }
-        assert!((2..20).contains(&flagged), "{precision:?}: {flagged}");
     }
+    assert!((2..20).contains(&flagged), "{flagged}");
 }
 
 #[test]

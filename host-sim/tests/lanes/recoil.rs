@@ -1,16 +1,14 @@
 //! The lanes with a cart that recoils.
 
 use numerics::engine::Engine;
-use numerics::lanes::{
-    Cell, CellPlan, Instructions, LanePrecision, Options, by_engine, run_reported, run_with,
-};
+use numerics::lanes::{Cell, CellPlan, Instructions, by_engine, run_reported, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::params::{PRESETS, WIRES};
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use super::{FULL, agreement, cell, close, options, sample};
+use super::{FULL, agreement, cell, close, sample};
 
 fn held(mut one: Cell, frequency_hz: f64) -> Cell {
     one.params.cart = CartDrive::Loop(LoopParams {
@@ -38,20 +36,17 @@ fn recoiling(count: usize, seed: u64) -> Vec<Cell> {
 fn random_cells_of_four_rigs_agree_with_the_reference() {
     let cells = recoiling(60, 1);
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let (ours, report) =
-            run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
-        let (both, same, force) = agreement(&ours, &reference);
-        assert!(both > 30, "{both}");
-        assert!(
-            same + 1 >= both && force + 1 >= both,
-            "{both} {same} {force}"
-        );
-        assert!(report.flagged <= 2 && report.unfit == 0, "{report:?}");
-        let labels = ours.iter().zip(&reference);
-        let labels = labels.filter(|(a, b)| a.regime.to_string() == b.regime.to_string());
-        assert!(labels.count() * 100 >= 90 * cells.len());
-    }
+    let (ours, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
+    let (both, same, force) = agreement(&ours, &reference);
+    assert!(both > 30, "{both}");
+    assert!(
+        same + 1 >= both && force + 1 >= both,
+        "{both} {same} {force}"
+    );
+    assert!(report.flagged <= 2 && report.unfit == 0, "{report:?}");
+    let labels = ours.iter().zip(&reference);
+    let labels = labels.filter(|(a, b)| a.regime.to_string() == b.regime.to_string());
+    assert!(labels.count() * 100 >= 90 * cells.len());
 }
 
 /// Section, contacts and force of each of the first cycles, from starts at several phases.
@@ -70,7 +65,7 @@ fn the_first_cycles_follow_the_reference() {
             one.phase = phase;
             let scale = Rig::<f64>::new(&one.params).unwrap().coordinate_scale();
             one.start[1] = 1.5 * scale * std::f64::consts::TAU * hz;
-            let best = options(LanePrecision::Double, Instructions::Widest);
+            let best = Instructions::Widest;
             let (ours, report) = run_with(best, &[one], &plan).unwrap();
             assert_eq!(report.lanes, 1);
             let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
@@ -96,7 +91,7 @@ fn a_very_heavy_cart_is_a_prescribed_one() {
             one
         })
         .collect();
-    let best = options(LanePrecision::Double, Instructions::Widest);
+    let best = Instructions::Widest;
     let (theirs, _) = run_with(best, &free, &FULL).unwrap();
     let (ours, report) = run_with(best, &heavy, &FULL).unwrap();
     let (both, same, force) = agreement(&ours, &theirs);
@@ -119,7 +114,7 @@ fn chatter_ends_as_the_reference_has_it() {
     let cells: Vec<_> = (0..12)
         .map(|i| held(cell(WIRES, 0.0, 1.41 + 0.05 * f64::from(i)), 50.0))
         .collect();
-    let best = options(LanePrecision::Double, Instructions::Widest);
+    let best = Instructions::Widest;
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     let mut chatters = 0;
@@ -141,13 +136,10 @@ fn every_instruction_set_gives_the_same_bytes() {
         early: true,
         strobes: 3,
     };
-    for precision in [LanePrecision::Single, LanePrecision::Double] {
-        let (widest, _) =
-            run_with(options(precision, Instructions::Widest), &cells, &plan).unwrap();
-        for instructions in [Instructions::Avx2, Instructions::Scalar] {
-            let (other, _) = run_with(options(precision, instructions), &cells, &plan).unwrap();
-            assert_eq!(widest, other, "{precision:?} {instructions:?}");
-        }
+    let (widest, _) = run_with(Instructions::Widest, &cells, &plan).unwrap();
+    for instructions in [Instructions::Avx2, Instructions::Scalar] {
+        let (other, _) = run_with(instructions, &cells, &plan).unwrap();
+        assert_eq!(widest, other, "{instructions:?}");
     }
 }
 
@@ -171,6 +163,6 @@ fn loops_that_the_lanes_cannot_split_go_to_the_reference() {
     let (ours, report) = run_reported(&cells, &plan).unwrap();
     assert_eq!(report.unfit, 3);
     assert_eq!(ours, by_engine(Engine::Event, &cells, &plan).unwrap());
-    let (_, report) = run_with(Options::default(), &[held(cells[0], 50.0)], &plan).unwrap();
+    let (_, report) = run_with(Instructions::Widest, &[held(cells[0], 50.0)], &plan).unwrap();
     assert_eq!(report.lanes, 1);
 }

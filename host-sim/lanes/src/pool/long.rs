@@ -5,25 +5,25 @@ use std::f64::consts::TAU;
 use super::Pool;
 use crate::reduce::StrobeRecord;
 use crate::sustained::{Sustained, SustainedEvent, SwitchSide};
-use crate::width::{Element, LaneWidth};
+use crate::width::LaneWidth;
 
 impl<W: LaneWidth> Pool<'_, W> {
     /// A lane leaves its row for a sustained contact, which begins with an onset.
     pub(super) fn enter(&mut self, lane: usize) {
         let rows = &mut *self.rows;
-        let recent = rows.recent.each_ref().map(|row| row[lane].to_f64());
-        let tau = rows.tau[lane].to_f64();
+        let recent = rows.recent.each_ref().map(|row| row[lane]);
+        let tau = rows.tau[lane];
         self.in_sustained |= 1 << lane;
-        let rate = rows.v[lane].to_f64() + rows.ring[1][lane].to_f64();
+        let rate = rows.v[lane] + rows.ring[1][lane];
         self.lanes[lane].sustained = Some(Sustained {
             x: 0.0,
             v: rate,
             approach: rate,
-            cart: rows.cart.each_ref().map(|row| row[lane].to_f64()),
+            cart: rows.cart.each_ref().map(|row| row[lane]),
             tau,
             side: SwitchSide::Contact,
-            peak: rows.peak[lane].to_f64(),
-            onsets: rows.onsets[lane].to_f64() as u32 + 1,
+            peak: rows.peak[lane],
+            onsets: rows.onsets[lane] as u32 + 1,
             recent: [tau, recent[0], recent[1]],
             chatter: self.lanes[lane].chatter,
         });
@@ -64,18 +64,17 @@ impl<W: LaneWidth> Pool<'_, W> {
                 held.chatter = contact.chatter;
                 let step = self.tuning.step / constants.fastest;
                 let rows = &mut *self.rows;
-                let e = W::E::from_f64;
                 let ring = constants.recoil.map_or([0.0; 2], |recoil| {
                     recoil.ring([constants.rest, contact.v], contact.cart, contact.tau)
                 });
                 rows.depart(lane, [0.0, contact.v], ring);
-                rows.tau[lane] = e(contact.tau);
-                rows.step[lane] = e(step);
-                rows.per_step[lane] = e(1.0 / step);
-                rows.peak[lane] = e(contact.peak);
-                rows.onsets[lane] = e(f64::from(contact.onsets));
+                rows.tau[lane] = contact.tau;
+                rows.step[lane] = step;
+                rows.per_step[lane] = 1.0 / step;
+                rows.peak[lane] = contact.peak;
+                rows.onsets[lane] = f64::from(contact.onsets);
                 for (row, t) in rows.recent.iter_mut().zip(contact.recent) {
-                    row[lane] = e(t);
+                    row[lane] = t;
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! A fit by the whole force.
 
 use super::contacts::{Impact, MeasuredImpacts};
-use super::profile::{self, Landscape};
-use super::search::SearchEnd;
+use super::least_squares::Solved;
+use super::profile;
 use super::shape::{self, ForceShape};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
@@ -11,27 +11,6 @@ use shared::model::contact::LawKind;
 
 /// A law that misses the whole force by more than this share of it, noise apart, is refused.
 pub const REFUSED_SHARE: f64 = 0.02;
-
-/// The whole force as χ².
-struct ByForce<'a>(&'a ForceShape<'a>);
-
-impl Landscape for ByForce<'_> {
-    fn least(&self, x: &[f64], held: &[usize], _: f64) -> SearchEnd {
-        let solved = self.0.solve(x, held, PROFILE_ROUNDS);
-        solved.map_or(
-            SearchEnd {
-                x: x.to_vec(),
-                cost: f64::INFINITY,
-                evaluations: 1,
-            },
-            |s| SearchEnd {
-                x: s.x,
-                cost: s.cost,
-                evaluations: s.evaluations,
-            },
-        )
-    }
-}
 
 /// What χ² is divided by where the filter is seen: the 95 % point of two degrees of freedom (parameter and filter) over
 /// that of one, 5.991/3.841. With that of one the intervals held the truth in 17 of 20 records.
@@ -51,17 +30,17 @@ pub fn fit(
     whole: &Whole,
 ) -> Option<IdentifiedFit> {
     let shape = &whole.shape;
-    let mut best = SearchEnd {
-        x: whole.best.x.clone(),
-        cost: whole.best.cost,
-        evaluations: whole.evaluations,
-    };
+    let mut best = whole.best.clone();
     let per_cost = match (whole.intervals, shape.shows_filter(&best.x)) {
         (false, _) => f64::INFINITY,
         (_, true) if !shape.jumps(&best.x) => SEEN_FILTER,
         _ => UNSEEN_FILTER,
     };
-    let (profiles, sought) = profile::all(&ByForce(shape), unknowns, &mut best, per_cost);
+    let least = |x: &[f64], held: &[usize]| {
+        let solved = shape.solve(x, held, PROFILE_ROUNDS);
+        solved.unwrap_or_else(|| Solved::nowhere(x))
+    };
+    let (profiles, sought) = profile::all(&least, unknowns, &mut best, per_cost);
     let (found, _) = unknowns.read(&best.x[..unknowns.list().len()])?;
     Some(IdentifiedFit {
         law: LawKind::SpringDashpot,

@@ -3,57 +3,42 @@
 use shared::model::contact::LawKind;
 use shared::model::params::RigParams;
 
+use nalgebra::DVector;
+
 use super::by_force::{PROFILE_ROUNDS, REFUSED_SHARE, impact_rows};
 use super::contacts::MeasuredImpacts;
+use super::least_squares::{self, Problem, Solved};
 use super::peaks::Peaks;
-use super::profile::{self, Landscape};
-use super::search::{self, SearchEnd};
+use super::profile;
 use super::unknowns::Unknowns;
-use super::whole::Whole;
+use super::whole::{ROUNDS, Whole};
 use super::{IdentifiedFit, Misfit, SensorFound};
 
-/// The peaks as χ².
+/// The peaks as residuals.
 struct ByPeaks<'a> {
     peaks: &'a Peaks<'a>,
     unknowns: &'a Unknowns,
 }
 
-impl ByPeaks<'_> {
-    fn cost(&self, x: &[f64]) -> f64 {
-        match self.unknowns.read(x) {
-            Some((law, release_m)) => self.peaks.cost(law, release_m),
-            None => self.unknowns.beyond(x),
-        }
-    }
-}
+impl Problem for ByPeaks<'_> {
+    type Seen = ();
 
-impl Landscape for ByPeaks<'_> {
-    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> SearchEnd {
-        let free: Vec<usize> = (0..x.len()).filter(|k| !held.contains(k)).collect();
-        let with = |others: &[f64]| {
-            let mut all = x.to_vec();
-            free.iter().zip(others).for_each(|(k, o)| all[*k] = *o);
-            all
-        };
-        if free.is_empty() {
-            return SearchEnd {
-                x: x.to_vec(),
-                cost: self.cost(x),
-                evaluations: 1,
-            };
-        }
-        let start: Vec<f64> = free.iter().map(|k| x[*k]).collect();
-        let small = free.iter().map(|k| 0.1 * self.unknowns.steps()[*k]);
-        let steps: Vec<f64> = match held.is_empty() {
-            true => small.collect(),
-            false => small.map(|s| s.min(moved.max(1e-4 * s))).collect(),
-        };
-        let inner = |others: &[f64]| self.cost(&with(others));
-        let found = search::nelder_mead(&inner, &start, &steps, 1e-3, 60);
-        SearchEnd {
-            x: with(&found.x),
-            ..found
-        }
+    fn residuals(&self, x: &[f64]) -> Option<(DVector<f64>, ())> {
+        let (law, release_m) = self.unknowns.read(x)?;
+        Some((self.peaks.residuals(law, release_m)?, ()))
+    }
+
+    fn column(&self, x: &[f64], at: &(DVector<f64>, ()), k: usize) -> Option<DVector<f64>> {
+        let size = 1e-4 * self.unknowns.steps()[k];
+        let (_, high) = self.range(x, k);
+        let by = if x[k] + size > high { -size } else { size };
+        let mut moved = x.to_vec();
+        moved[k] += by;
+        Some((self.residuals(&moved)?.0 - &at.0) / by)
+    }
+
+    fn range(&self, _: &[f64], k: usize) -> (f64, f64) {
+        self.unknowns.list()[k].range
     }
 }
 
@@ -66,24 +51,29 @@ pub fn fit(
 ) -> Option<IdentifiedFit> {
     let laws = unknowns.list().len();
     let about = whole.best.x[..laws].to_vec();
-    let first = Peaks::new(measured, params, whole, unknowns.read(&about)?)?;
-    let cost = |x: &[f64]| {
-        ByPeaks {
-            peaks: &first,
-            unknowns,
-        }
-        .cost(x)
-    };
-    let mut starts = unknowns.starts();
-    starts.push(about);
-    let searched = search::from_all(&cost, &starts, unknowns.steps())?;
-    // The covariance anew, about what the peaks say.
-    let peaks = Peaks::new(measured, params, whole, unknowns.read(&searched.best.x)?)?;
-    let landscape = ByPeaks {
+    let peaks = Peaks::new(measured, params, whole, unknowns.read(&about)?)?;
+    let first = ByPeaks {
         peaks: &peaks,
         unknowns,
     };
-    let mut best = landscape.least(&searched.best.x, &[], 0.0);
+    let mut starts = unknowns.starts();
+    starts.push(about);
+    let searched = least_squares::from_all(
+        &starts,
+        |x| least_squares::solve(&first, x, &[], ROUNDS.0),
+        |x| least_squares::solve(&first, x, &[], ROUNDS.1),
+    )?;
+    // The covariance anew, about what the peaks say.
+    let peaks = Peaks::new(measured, params, whole, unknowns.read(&searched.best.x)?)?;
+    let problem = ByPeaks {
+        peaks: &peaks,
+        unknowns,
+    };
+    let least = |x: &[f64], held: &[usize]| {
+        let solved = least_squares::solve(&problem, x, held, PROFILE_ROUNDS);
+        solved.unwrap_or_else(|| Solved::nowhere(x))
+    };
+    let mut best = least(&searched.best.x, &[]);
     let degrees = peaks.data().saturating_sub(laws);
     let widened = widened(best.cost, degrees);
     let per_cost = if whole.intervals {
@@ -91,7 +81,7 @@ pub fn fit(
     } else {
         f64::INFINITY
     };
-    let (profiles, sought) = profile::all(&landscape, unknowns, &mut best, per_cost);
+    let (profiles, sought) = profile::all(&least, unknowns, &mut best, per_cost);
     let (found, release_m) = unknowns.read(&best.x)?;
     // The whole force with the law that the peaks chose, for the pictures.
     let mut x = whole.best.x.clone();
@@ -111,8 +101,8 @@ pub fn fit(
         parameters: profiles.iter().map(|p| p.estimate.clone()).collect(),
         degrees_of_freedom: degrees,
         widened,
-        starts: searched.starts,
-        starts_agreeing: searched.agreeing,
+        starts: starts.len(),
+        starts_agreeing: searched.agreeing(),
         simulations: searched.evaluations + whole.evaluations + sought,
         sensor: SensorFound::new(&shape.sensor(&x), measured),
         impacts: impact_rows(measured, shape, &x, Some(&peaks.means(found, release_m)))?,

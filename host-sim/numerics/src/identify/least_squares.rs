@@ -3,6 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::parallel;
+
 /// Residuals whose squares are summed, and what is known about the coordinates.
 pub trait Problem {
     /// What is kept of a point for its derivatives.
@@ -26,6 +28,58 @@ pub struct Solved {
     pub evaluations: u64,
 }
 
+impl Solved {
+    /// No least near `x`: nothing can be computed there.
+    pub fn nowhere(x: &[f64]) -> Self {
+        Self {
+            x: x.to_vec(),
+            cost: f64::INFINITY,
+            evaluations: 1,
+        }
+    }
+}
+
+/// What searches from several starts found.
+pub struct Searched {
+    /// The best.
+    pub best: Solved,
+    /// The sums of squares with which they ended.
+    pub ended: Vec<f64>,
+    /// Residuals and derivatives computed.
+    pub evaluations: u64,
+}
+
+impl Searched {
+    /// How many of the searches ended at about the best.
+    pub fn agreeing(&self) -> usize {
+        let near = 1.01 * self.best.cost + 0.5;
+        self.ended.iter().filter(|cost| **cost < near).count()
+    }
+}
+
+/// Searches `first` from each of `starts`, then on to the `last` from where the best of them ended. None if none finds
+/// anything.
+pub fn from_all(
+    starts: &[Vec<f64>],
+    first: impl Fn(&[f64]) -> Option<Solved> + Sync,
+    last: impl Fn(&[f64]) -> Option<Solved>,
+) -> Option<Searched> {
+    let ended = parallel::map(starts, |start| first(start));
+    let ended: Vec<Solved> = ended.into_iter().flatten().collect();
+    let nearest = ended.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let best = last(&nearest.x)?;
+    let before: u64 = ended.iter().map(|s| s.evaluations).sum();
+    Some(Searched {
+        ended: ended.iter().map(|s| s.cost).collect(),
+        evaluations: before + best.evaluations,
+        best: if nearest.cost < best.cost {
+            nearest.clone()
+        } else {
+            best
+        },
+    })
+}
+
 /// A search is over when a round lowers the sum by less than this, or this share of it if that is less.
 const LEAST_GAIN: f64 = 1e-3;
 
@@ -37,6 +91,7 @@ pub fn solve<P: Problem>(problem: &P, x: &[f64], held: &[usize], rounds: usize) 
     let mut evaluations = 1;
     let mut damping = 1e-3;
     let free: Vec<usize> = (0..x.len()).filter(|k| !held.contains(k)).collect();
+    let rounds = if free.is_empty() { 0 } else { rounds };
     for _ in 0..rounds {
         let columns: Option<Vec<_>> = free.iter().map(|k| problem.column(&x, &here, *k)).collect();
         let columns = columns?;

@@ -13,7 +13,6 @@ mod peaks;
 mod profile;
 mod quiet;
 pub mod ring;
-mod search;
 mod sensor;
 mod shape;
 mod unknowns;

@@ -26,8 +26,8 @@ pub struct Peaks<'a> {
     measured: &'a MeasuredImpacts,
     params: RigParams,
     sensor: SensorModel,
-    /// The inverse of the peaks' covariance, and its diagonal.
-    inverse: DMatrix<f64>,
+    /// The lower triangle L of the peaks' covariance L Lᵀ, and the covariance's diagonal.
+    root: DMatrix<f64>,
     variances: Vec<f64>,
 }
 
@@ -48,12 +48,12 @@ impl<'a> Peaks<'a> {
             measured,
             params: *params,
             sensor,
-            inverse: DMatrix::zeros(0, 0),
+            root: DMatrix::zeros(0, 0),
             variances: Vec::new(),
         };
         let covariance = peaks.covariance(whole, shape, law, release_m)?;
         peaks.variances = covariance.diagonal().iter().copied().collect();
-        peaks.inverse = covariance.cholesky()?.inverse();
+        peaks.root = covariance.cholesky()?.unpack();
         Some(peaks)
     }
 
@@ -161,10 +161,9 @@ impl<'a> Peaks<'a> {
         )
     }
 
-    /// χ² of the peaks.
-    pub fn cost(&self, law: Law<f64>, release_m: f64) -> f64 {
-        let off = self.off(law, release_m);
-        off.dot(&(&self.inverse * &off))
+    /// What the peaks differ by, so that the sum of squares is χ².
+    pub fn residuals(&self, law: Law<f64>, release_m: f64) -> Option<DVector<f64>> {
+        self.root.solve_lower_triangular(&self.off(law, release_m))
     }
 
     fn off(&self, law: Law<f64>, release_m: f64) -> DVector<f64> {

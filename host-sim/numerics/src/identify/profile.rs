@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::search::SearchEnd;
+use super::least_squares::Solved;
 use super::unknowns::Unknowns;
 
 /// The 95 % point of χ² with one degree of freedom.
@@ -39,28 +39,22 @@ pub struct Profile {
     pub points: Vec<(f64, f64)>,
 }
 
-/// χ² over what is sought, and over nuisances that follow.
-pub trait Landscape {
-    /// The least near `x` with the coordinates `held` kept, of which one was moved there by `moved`.
-    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> SearchEnd;
-}
-
-/// Profiles of all parameters, and how many costs were computed. Where a profile finds less than `best`, that
-/// becomes the best.
+/// Profiles of all parameters, and how many costs were computed. `least` gives the least χ² near a point with the
+/// coordinates named kept. Where a profile finds less than `best`, that becomes the best.
 pub fn all(
-    landscape: &impl Landscape,
+    least: &dyn Fn(&[f64], &[usize]) -> Solved,
     unknowns: &Unknowns,
-    best: &mut SearchEnd,
+    best: &mut Solved,
     per_cost: f64,
 ) -> (Vec<Profile>, u64) {
     let mut evaluations = 0;
     let mut profiles = Vec::new();
     for _ in 0..3 {
         profiles.clear();
-        let mut better: Option<SearchEnd> = None;
+        let mut better: Option<Solved> = None;
         for held in 0..unknowns.list().len() {
             let mut search = Search {
-                landscape,
+                least,
                 unknowns,
                 best,
                 per_cost,
@@ -74,7 +68,7 @@ pub fn all(
             if let Some((x, rise)) = found
                 && *rise < -0.05
             {
-                better = Some(landscape.least(x, &[], 0.0));
+                better = Some(least(x, &[]));
             }
         }
         match better {
@@ -85,10 +79,10 @@ pub fn all(
     (profiles, evaluations)
 }
 
-struct Search<'a, L> {
-    landscape: &'a L,
+struct Search<'a> {
+    least: &'a dyn Fn(&[f64], &[usize]) -> Solved,
     unknowns: &'a Unknowns,
-    best: &'a SearchEnd,
+    best: &'a Solved,
     per_cost: f64,
     held: usize,
     evaluations: u64,
@@ -96,7 +90,7 @@ struct Search<'a, L> {
     seen: Vec<(Vec<f64>, f64)>,
 }
 
-impl<L: Landscape> Search<'_, L> {
+impl Search<'_> {
     fn profile(&mut self) -> Profile {
         let unknown = self.unknowns.list()[self.held];
         let centre = self.best.x[self.held];
@@ -146,9 +140,8 @@ impl<L: Landscape> Search<'_, L> {
         };
         let nearest = self.seen.iter().min_by(near);
         let mut whole = nearest.map_or_else(|| self.best.x.clone(), |s| s.0.clone());
-        let moved = (x - whole[held]).abs();
         whole[held] = x;
-        let found = self.landscape.least(&whole, &[held], moved);
+        let found = (self.least)(&whole, &[held]);
         self.evaluations += found.evaluations;
         let (whole, cost) = (found.x, found.cost);
         let rise = (cost - self.best.cost) / self.per_cost;
@@ -243,7 +236,7 @@ impl<L: Landscape> Search<'_, L> {
             let mut x = self.best.x.clone();
             x[self.held] += side * h;
             let sought: Vec<usize> = (0..self.unknowns.list().len()).collect();
-            let cost = self.landscape.least(&x, &sought, h).cost;
+            let cost = (self.least)(&x, &sought).cost;
             (cost - self.best.cost) / self.per_cost
         };
         let curvature = 0.5 * (at(-1.0) + at(1.0)) / (h * h);

@@ -3,10 +3,11 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::DVector;
 use serde::Serialize;
 
 use super::contacts::MeasuredImpacts;
-use super::search::nelder_mead;
+use super::least_squares::{self, Problem};
 
 /// The square that a swing must take from the tails, in variances of a sample: of the frequencies tried, noise gives one
 /// some 20.
@@ -19,6 +20,13 @@ const LEAST_SHARE: f64 = 0.25;
 const LOWEST_HZ: f64 = 300.0;
 const HIGHEST_HZ: f64 = 20_000.0;
 const DECAYS_S: [f64; 4] = [0.4e-3, 1e-3, 2.5e-3, 6e-3];
+
+/// Time constants that are sought, s.
+const SHORTEST_S: f64 = 1e-4;
+const LONGEST_S: f64 = 0.1;
+
+/// How far a logarithm is moved for its derivative.
+const NUDGE: f64 = 1e-6;
 
 /// A damped swing a exp(−t/τ) sin(2πft + φ) after each release.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,15 +67,11 @@ pub fn of(measured: &MeasuredImpacts, tails: &[Tail]) -> Option<Ring> {
         return None;
     }
     let fastest = HIGHEST_HZ.min(0.4 / measured.sample_s);
-    let left = |x: &[f64]| {
-        let (hz, decay_s) = (x[0].exp(), x[1].exp());
-        if !(hz > LOWEST_HZ && hz < fastest && decay_s > 1e-4 && decay_s < 0.1) {
-            return all;
-        }
-        all - tails
-            .iter()
-            .map(|t| explained(t, hz, decay_s).0)
-            .sum::<f64>()
+    let problem = Swings {
+        tails,
+        fastest,
+        // The search ends where a round gains less than a thousandth of a residual's square, or of their sum.
+        unit_n: (1e-6 * all).sqrt(),
     };
     // A tail of 8 ms distinguishes frequencies 60 Hz apart; so many are tried.
     let count = ((fastest - LOWEST_HZ) / 40.0) as usize;
@@ -75,11 +79,11 @@ pub fn of(measured: &MeasuredImpacts, tails: &[Tail]) -> Option<Ring> {
         let hz = LOWEST_HZ + 40.0 * (i as f64 + 0.5);
         DECAYS_S.map(|decay| vec![hz.ln(), decay.ln()])
     });
-    let scored = tried.map(|x| (left(&x), x));
+    let scored = tried.map(|x| (problem.left(&x).norm_squared(), x));
     let start = scored.min_by(|a, b| a.0.total_cmp(&b.0))?.1;
-    let found = nelder_mead(&left, &start, &[0.01, 0.3], 1e-9 * all, 200);
+    let found = least_squares::solve(&problem, &start, &[], 40)?;
     let (hz, decay_s) = (found.x[0].exp(), found.x[1].exp());
-    let explained_here = all - found.cost;
+    let explained_here = all * (1.0 - 1e-6 * found.cost);
     let beyond_noise = (all - noise * samples).max(1e-12 * all);
     if explained_here < least || explained_here < LEAST_SHARE * beyond_noise {
         return None;
@@ -88,7 +92,10 @@ pub fn of(measured: &MeasuredImpacts, tails: &[Tail]) -> Option<Ring> {
         frequency_hz: hz,
         decay_ms: decay_s * 1e3,
         damping_ratio: damping_ratio(hz, decay_s),
-        share_at_release: explained(tails.first()?, hz, decay_s).1 / largest,
+        share_at_release: {
+            let [cos_n, sin_n] = swing(tails.first()?, hz, decay_s);
+            cos_n.hypot(sin_n) / largest
+        },
         explained: explained_here / all,
     })
 }
@@ -99,14 +106,64 @@ pub fn damping_ratio(hz: f64, decay_s: f64) -> f64 {
     1.0 / (1.0 + rate * rate).sqrt()
 }
 
-/// The square that the best damped swing of this pitch and decay takes from a tail, N², and its amplitude at the
-/// release, N.
-fn explained(tail: &Tail, hz: f64, decay_s: f64) -> (f64, f64) {
+/// The tails over the logarithms of frequency and time constant: residuals are what the best damped swing leaves.
+struct Swings<'a> {
+    tails: &'a [Tail],
+    /// Highest frequency, Hz.
+    fastest: f64,
+    /// What residuals are counted in, N.
+    unit_n: f64,
+}
+
+impl Swings<'_> {
+    fn left(&self, x: &[f64]) -> DVector<f64> {
+        let (hz, decay_s) = (x[0].exp(), x[1].exp());
+        let of = |tail: &Tail| {
+            let [cos_n, sin_n] = swing(tail, hz, decay_s);
+            let pairs = tail.time_s.iter().zip(&tail.force_n);
+            let left = pairs.map(|(t, force_n)| {
+                let [cos, sin] = damped(*t, hz, decay_s);
+                (force_n - cos_n * cos - sin_n * sin) / self.unit_n
+            });
+            left.collect::<Vec<_>>()
+        };
+        DVector::from_vec(self.tails.iter().flat_map(of).collect())
+    }
+}
+
+impl Problem for Swings<'_> {
+    type Seen = ();
+
+    fn residuals(&self, x: &[f64]) -> Option<(DVector<f64>, ())> {
+        Some((self.left(x), ()))
+    }
+
+    fn column(&self, x: &[f64], at: &(DVector<f64>, ()), k: usize) -> Option<DVector<f64>> {
+        let mut moved = x.to_vec();
+        moved[k] += NUDGE;
+        Some((self.left(&moved) - &at.0) / NUDGE)
+    }
+
+    fn range(&self, _: &[f64], k: usize) -> (f64, f64) {
+        match k {
+            0 => (LOWEST_HZ.ln(), self.fastest.ln()),
+            _ => (SHORTEST_S.ln(), LONGEST_S.ln()),
+        }
+    }
+}
+
+/// Cosine and sine of a damped swing of size 1.
+fn damped(time_s: f64, hz: f64, decay_s: f64) -> [f64; 2] {
+    let (sin, cos) = (TAU * hz * time_s).sin_cos();
+    let size = (-time_s / decay_s).exp();
+    [size * cos, size * sin]
+}
+
+/// How much of a damped cosine and sine of this pitch and decay fits a tail best, N; none of it where it has hardly a sample.
+fn swing(tail: &Tail, hz: f64, decay_s: f64) -> [f64; 2] {
     let (mut cc, mut cs, mut ss, mut cf, mut sf) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (t, f) in tail.time_s.iter().zip(&tail.force_n) {
-        let size = (-t / decay_s).exp();
-        let (sin, cos) = (TAU * hz * t).sin_cos();
-        let (c, s) = (size * cos, size * sin);
+        let [c, s] = damped(*t, hz, decay_s);
         cc += c * c;
         cs += c * s;
         ss += s * s;
@@ -115,9 +172,10 @@ fn explained(tail: &Tail, hz: f64, decay_s: f64) -> (f64, f64) {
     }
     let determinant = cc * ss - cs * cs;
     if determinant <= 1e-12 * cc * ss {
-        return (0.0, 0.0);
+        return [0.0; 2];
     }
-    let a = (cf * ss - sf * cs) / determinant;
-    let b = (sf * cc - cf * cs) / determinant;
-    (a * cf + b * sf, a.hypot(b))
+    [
+        (cf * ss - sf * cs) / determinant,
+        (sf * cc - cf * cs) / determinant,
+    ]
 }

@@ -197,7 +197,7 @@ impl Unknowns {
         &self.list
     }
 
-    /// How far the first simplex reaches.
+    /// How far a search may go at first, which is also the scale of each.
     pub fn steps(&self) -> &[f64] {
         &self.steps
     }
@@ -253,11 +253,5 @@ impl Unknowns {
             self.release_m
         };
         Some((law, release_m))
-    }
-
-    /// A cost outside the ranges: above any inside, and falling towards them.
-    pub fn beyond(&self, x: &[f64]) -> f64 {
-        let out = |(u, x): (&Unknown, &f64)| (u.range.0 - x).max(x - u.range.1).max(0.0);
-        1e30 * (1.0 + self.list.iter().zip(x).map(out).sum::<f64>())
     }
 }

@@ -1,20 +1,19 @@
 //! The fit of the whole force: law and sensor together, then how far the noise alone explains what is left.
 
-use crate::parallel;
 use nalgebra::DMatrix;
 use shared::model::params::RigParams;
 
 use super::SearchSettings;
 use super::by_force::REFUSED_SHARE;
 use super::contacts::MeasuredImpacts;
-use super::least_squares::Solved;
+use super::least_squares::{self, Solved};
 use super::ring::{self, Ring};
 use super::sensor::FilterKind;
 use super::shape::{ForceShape, RingingGuess};
 use super::unknowns::Unknowns;
 
 /// Rounds of a search from afar, and of the last one.
-const ROUNDS: (usize, usize) = (14, 40);
+pub const ROUNDS: (usize, usize) = (14, 40);
 
 /// What is left is more than noise when its square is this many of its standard deviations above the noise's.
 const SIGNIFICANT: f64 = 4.0;
@@ -140,30 +139,25 @@ fn search<'a>(
         let others = guesses[1..].iter();
         starts.extend(others.map(|guess| shape.start(guess, filters[usual])));
     }
-    let ended = parallel::map(&starts, |start| shape.solve_from(start, ROUNDS.0));
-    let ended: Vec<Solved> = ended.into_iter().flatten().collect();
-    let mut evaluations = ended.iter().map(|s| s.evaluations).sum();
-    let nearest = ended.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    let mut best = shape.solve(&nearest.x, &[], ROUNDS.1)?;
-    evaluations += best.evaluations;
-    if nearest.cost < best.cost {
-        best = nearest.clone();
-    }
-    if shape.model != FilterKind::Analog && shape.jumps(&best.x) {
+    let mut searched = least_squares::from_all(
+        &starts,
+        |x| shape.solve_from(x, ROUNDS.0),
+        |x| shape.solve(x, &[], ROUNDS.1),
+    )?;
+    if shape.model != FilterKind::Analog && shape.jumps(&searched.best.x) {
         for by in SHIFTS {
-            let moved = shape.solve(&shape.shifted(&best.x, by), &[], ROUNDS.0)?;
-            evaluations += moved.evaluations;
-            if moved.cost < best.cost {
-                best = moved;
+            let moved = shape.solve(&shape.shifted(&searched.best.x, by), &[], ROUNDS.0)?;
+            searched.evaluations += moved.evaluations;
+            if moved.cost < searched.best.cost {
+                searched.best = moved;
             }
         }
     }
-    let near = 1e-2 * best.cost.abs() + 0.5;
     Some(Found {
-        agreeing: ended.iter().filter(|s| s.cost < best.cost + near).count(),
+        agreeing: searched.agreeing(),
         starts: starts.len(),
-        best,
-        evaluations,
+        best: searched.best,
+        evaluations: searched.evaluations,
         shape,
     })
 }

@@ -1,6 +1,6 @@
 //! The lanes, and the reference for what they leave.
 
-use ::lanes::{Options, Work, try_run};
+use ::lanes::{Instructions, Work, try_run};
 
 use super::{Cell, CellOutcome, CellPlan, run_one};
 use crate::engine::Engine;
@@ -37,23 +37,23 @@ impl std::ops::AddAssign for Report {
 /// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
 /// first such cell.
 pub fn run_with(
-    options: Options,
+    instructions: Instructions,
     cells: &[Cell],
     plan: &CellPlan,
 ) -> Result<(Vec<CellOutcome>, Report), Error> {
     let mut report = Report::default();
-    let outcomes = each(options, cells, plan, &mut report).collect::<Result<_, _>>()?;
+    let outcomes = each(instructions, cells, plan, &mut report).collect::<Result<_, _>>()?;
     Ok((outcomes, report))
 }
 
 /// The same, one after the other: a cell that fails takes no other with it.
 pub(super) fn each<'a>(
-    options: Options,
+    instructions: Instructions,
     cells: &'a [Cell],
     plan: &'a CellPlan,
     report: &'a mut Report,
 ) -> impl Iterator<Item = Result<CellOutcome, Error>> + 'a {
-    let tried = try_run(options, cells, plan);
+    let tried = try_run(instructions, cells, plan);
     report.again = tried.again;
     report.work = tried.work;
     let tried = tried.outcomes.into_iter().zip(tried.fit);

@@ -16,8 +16,7 @@ use crate::error::Error;
 use crate::parallel;
 
 pub use ::lanes::{
-    Cell, CellOutcome, CellPlan, Instructions, LanePrecision, LaneStrobe, Options, SETTLED_WITHIN,
-    Strobes, Work,
+    Cell, CellOutcome, CellPlan, Instructions, LaneStrobe, SETTLED_WITHIN, Strobes, Work,
 };
 pub use fast::{Report, run_with};
 pub use one::run_one;
@@ -42,7 +41,7 @@ pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
 /// As [`run`].
 pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<CellOutcome>, Report), Error> {
     let chunks: Vec<_> = cells.chunks(CHUNK).collect();
-    let parts = parallel::try_map(&chunks, |chunk| run_with(Options::default(), chunk, plan))?;
+    let parts = parallel::try_map(&chunks, |chunk| run_with(Instructions::Widest, chunk, plan))?;
     let mut report = Report::default();
     let mut outcomes = Vec::with_capacity(cells.len());
     for (part, done) in parts {
@@ -57,8 +56,7 @@ pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<CellOutcome>
 pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<CellOutcome, Error>> {
     let chunks: Vec<_> = cells.chunks(CHUNK).collect();
     let parts = parallel::map(&chunks, |chunk| {
-        let options = Options::default();
-        fast::each(options, chunk, plan, &mut Report::default()).collect::<Vec<_>>()
+        fast::each(Instructions::Widest, chunk, plan, &mut Report::default()).collect::<Vec<_>>()
     });
     parts.into_iter().flatten().collect()
 }
@@ -89,7 +87,7 @@ pub fn or_failed(outcome: Result<CellOutcome, Error>) -> Result<Option<CellOutco
 /// # Errors
 /// As [`run`].
 pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
-    run_with(Options::default(), cells, plan).map(|(outcomes, _)| outcomes)
+    run_with(Instructions::Widest, cells, plan).map(|(outcomes, _)| outcomes)
 }
 
 /// A run of `plan` from the section point `start` in a lane; none where the lanes must leave it to the reference.
@@ -111,7 +109,7 @@ pub(crate) fn settled(
         early: true,
         strobes: 0,
     };
-    let tried = ::lanes::try_run(Options::default(), &[cell], &plan);
+    let tried = ::lanes::try_run(Instructions::Widest, &[cell], &plan);
     tried.outcomes.into_iter().next()?
 }
 
