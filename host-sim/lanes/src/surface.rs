@@ -23,7 +23,7 @@ pub struct LawSurface {
 }
 
 /// x, x′, the cart's deviation and its rate.
-pub type State = [f64; 4];
+pub type PressState = [f64; 4];
 
 /// How a contact went.
 pub enum Press {
@@ -44,27 +44,33 @@ const TOLERANCE: f64 = 1e-7;
 /// Longest step, in drive phase: over it the drive is held to third order.
 const LONGEST: f64 = 0.03;
 
-/// The first step, as a share of a contact at the drive's speed.
-const FIRST: f64 = 0.05;
+/// The longest step outward, over the time to the surface at the rate there.
+const OUTWARD: f64 = 1.005;
 
-const A: [&[f64]; 6] = [
-    &[1.0 / 5.0],
-    &[3.0 / 40.0, 9.0 / 40.0],
-    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-    &[
+/// The first step, as a share of a contact at the drive's speed.
+const FIRST: f64 = 0.006;
+
+const A: [[f64; 6]; 6] = [
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [
         19_372.0 / 6_561.0,
         -25_360.0 / 2_187.0,
         64_448.0 / 6_561.0,
         -212.0 / 729.0,
+        0.0,
+        0.0,
     ],
-    &[
+    [
         9_017.0 / 3_168.0,
         -355.0 / 33.0,
         46_732.0 / 5_247.0,
         49.0 / 176.0,
         -5_103.0 / 18_656.0,
+        0.0,
     ],
-    &[
+    [
         35.0 / 384.0,
         0.0,
         500.0 / 1_113.0,
@@ -90,36 +96,42 @@ struct Motion<'a> {
     c: &'a Constants,
     surface: &'a LawSurface,
     approach: f64,
+    /// Force over m A0 Ω² per xⁿ, undamped.
+    per_power: f64,
+    /// n; none: 1.5.
+    exponent: Option<f64>,
+    /// What x′ adds to the damping's factor, which is 1 at rest.
+    per_rate: f64,
     /// sin τ and cos τ at the beginning of the step.
     phase: (f64, f64),
 }
 
 impl Motion<'_> {
     /// Force over m A0 Ω².
-    fn force(&self, [x, v, ..]: State) -> f64 {
-        let LawSurface {
-            law,
-            depth_m,
-            rate_m_per_s,
-            ..
-        } = *self.surface;
-        let force_n = law.force(depth_m * x, rate_m_per_s * v, self.approach);
-        force_n.max(0.0) / self.c.force_unit_n
+    #[inline]
+    fn force(&self, [x, v, ..]: PressState) -> f64 {
+        if x <= 0.0 {
+            return 0.0;
+        }
+        let power = self
+            .exponent
+            .map_or_else(|| x * x.sqrt(), |n| libm::pow(x, n));
+        (self.per_power * power * (1.0 + self.per_rate * v)).max(0.0)
     }
 
     /// Positive in contact ([`Law::indicator`]).
-    fn indicator(&self, [x, v, ..]: State) -> f64 {
+    fn indicator(&self, [x, v, ..]: PressState) -> f64 {
         let s = self.surface;
         s.law
             .indicator(s.depth_m * x, s.rate_m_per_s * v, self.approach)
     }
 
     /// [`LawSurface::factor`] without its rate.
-    fn factor_of(&self, [_, v, ..]: State) -> f64 {
+    fn factor_of(&self, [_, v, ..]: PressState) -> f64 {
         self.surface.damping_factor(v, 0.0, self.approach).0
     }
 
-    fn rates(&self, t: f64, state: State) -> State {
+    fn rates(&self, t: f64, state: PressState) -> PressState {
         let [x, v, q, w] = state;
         let (c, s) = (self.c, self.surface);
         let (sin0, cos0) = self.phase;
@@ -138,7 +150,12 @@ impl Motion<'_> {
     }
 
     /// A step of length `h`, and its error.
-    fn step(&self, from: State, first: State, h: f64) -> (State, State, State) {
+    fn step(
+        &self,
+        from: PressState,
+        first: PressState,
+        h: f64,
+    ) -> (PressState, PressState, PressState) {
         if self.c.recoil.is_some() {
             self.step_of::<4>(from, first, h)
         } else {
@@ -147,13 +164,18 @@ impl Motion<'_> {
     }
 
     /// The same with the first `N` numbers moving.
-    fn step_of<const N: usize>(&self, from: State, first: State, h: f64) -> (State, State, State) {
+    fn step_of<const N: usize>(
+        &self,
+        from: PressState,
+        first: PressState,
+        h: f64,
+    ) -> (PressState, PressState, PressState) {
         let mut rates = [first; 7];
         let mut end = from;
-        for (stage, weights) in A.iter().enumerate() {
+        for stage in 0..6 {
             end = from;
             for i in 0..N {
-                let sum: f64 = weights.iter().zip(&rates).map(|(a, k)| a * k[i]).sum();
+                let sum: f64 = (0..=stage).map(|k| A[stage][k] * rates[k][i]).sum();
                 end[i] += h * sum;
             }
             rates[stage + 1] = self.rates(C[stage] * h, end);
@@ -170,10 +192,14 @@ impl Motion<'_> {
 impl LawSurface {
     /// How long a contact at the drive's speed lasts, about, in drive phase.
     fn lasts(&self, c: &Constants) -> f64 {
-        let (n, stiffness) = (self.law.exponent(), self.law.stiffness());
+        let n = self.law.exponent();
         // Where the force has taken up what the hammer brought at x′ = 1.
-        let per_x = stiffness * libm::pow(self.depth_m, n) / c.force_unit_n;
-        3.0 * libm::pow(0.5 * (n + 1.0) / per_x, 1.0 / (n + 1.0))
+        3.0 * libm::pow(0.5 * (n + 1.0) / self.per_power(c), 1.0 / (n + 1.0))
+    }
+
+    /// Force over m A0 Ω² per xⁿ, undamped.
+    fn per_power(&self, c: &Constants) -> f64 {
+        self.law.stiffness() * libm::pow(self.depth_m, self.law.exponent()) / c.force_unit_n
     }
 
     /// The motion from drive phase `tau` on in a contact that began with the rate `approach` (x′), for `end` at most, to where
@@ -182,14 +208,19 @@ impl LawSurface {
         &self,
         c: &Constants,
         (tau, end): (f64, f64),
-        state: &mut State,
+        state: &mut PressState,
         approach: f64,
         peak: &mut f64,
     ) -> (f64, Press) {
+        let approach_m_per_s = self.rate_m_per_s * approach;
+        let still = self.damping_factor(0.0, 1.0, approach_m_per_s);
         let mut motion = Motion {
             c,
             surface: self,
-            approach: self.rate_m_per_s * approach,
+            approach: approach_m_per_s,
+            per_power: self.per_power(c),
+            exponent: Some(self.law.exponent()).filter(|n| *n != 1.5),
+            per_rate: still.1 / still.0,
             phase: (0.0, 0.0),
         };
         let lasts = self.lasts(c);
@@ -199,12 +230,18 @@ impl LawSurface {
         let units = [speed * lasts, speed, speed * lasts, speed];
         for _ in 0..MOST {
             motion.phase = libm::sincos(tau + t);
-            let h = next.min(LONGEST).min(end - t);
+            let mut h = next.min(LONGEST).min(end - t);
+            let [x, v, ..] = *state;
+            if v < 0.0 && x > 0.0 {
+                // Not far beyond the surface, where the force ends: the error's estimate would count that.
+                h = h.min(OUTWARD * x / -v);
+            }
             let first = motion.rates(0.0, *state);
             let (mut there, mut last, error) = motion.step(*state, first, h);
             let off = (0..4).map(|i| (error[i] / units[i]).abs());
             let off = off.fold(0.0, f64::max) / TOLERANCE;
-            let change = (0.9 * libm::pow(off, -0.2)).clamp(0.2, 4.0);
+            // A fourth root in place of a fifth: it is rounded alike everywhere, and quick.
+            let change = (0.9 / off.sqrt().sqrt()).clamp(0.2, 4.0);
             next = h * change;
             if off > 1.0 {
                 continue;
@@ -248,7 +285,13 @@ impl LawSurface {
     }
 
     /// When in the step of length `h` to `there` the surface lets go.
-    fn release(&self, motion: &Motion, from: State, first: State, (h, there): (f64, State)) -> f64 {
+    fn release(
+        &self,
+        motion: &Motion,
+        from: PressState,
+        first: PressState,
+        (h, there): (f64, PressState),
+    ) -> f64 {
         let by_depth = there[0] <= 0.0;
         let at = |s: f64| motion.step(from, first, s);
         let depth = |s: f64| {
@@ -270,11 +313,11 @@ impl LawSurface {
     fn top(
         &self,
         motion: &Motion,
-        (from, first): (State, State),
-        (there, last): (State, State),
+        (from, first): (PressState, PressState),
+        (there, last): (PressState, PressState),
         h: f64,
     ) -> f64 {
-        let slope = |state: State, rates: State| {
+        let slope = |state: PressState, rates: PressState| {
             let (by_depth, by_rate) = self.law.gradient(
                 self.depth_m * state[0],
                 self.rate_m_per_s * state[1],
@@ -311,7 +354,7 @@ mod tests {
     use shared::model::params::{RigParams, WIRES};
 
     /// A blow on wires at the gap 0, at drive phase 0, fast enough that nothing but the surface counts.
-    fn blow(kind: LawKind, v: f64) -> (Constants, f64, State, f64) {
+    fn blow(kind: LawKind, v: f64) -> (Constants, f64, PressState, f64) {
         let cell = Cell {
             params: RigParams {
                 contact: kind.preset(),
