@@ -41,6 +41,9 @@ const MOST: usize = 4000;
 /// Errors of a step are kept below this share of the approach speed, and of the way it leads in a contact.
 const TOLERANCE: f64 = 1e-7;
 
+/// A contact that begins more slowly, at rest on the surface say, is as accurate as one that begins with this x′.
+const SLOWEST: f64 = 1e-3;
+
 /// Longest step, in drive phase: over it the drive is held to third order.
 const LONGEST: f64 = 0.03;
 
@@ -226,7 +229,7 @@ impl LawSurface {
         let lasts = self.lasts(c);
         let mut next = FIRST * lasts;
         let mut t = 0.0;
-        let speed = approach.abs().max(state[1].abs());
+        let speed = approach.abs().max(state[1].abs()).max(SLOWEST);
         let units = [speed * lasts, speed, speed * lasts, speed];
         for _ in 0..MOST {
             motion.phase = libm::sincos(tau + t);
