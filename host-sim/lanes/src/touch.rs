@@ -123,6 +123,9 @@ impl<W: LaneWidth> Transient<W> {
     }
 }
 
+/// An acceleration that is none, over A0 Ω².
+const STILL: f64 = 1e-12;
+
 /// Runs a contact that begins at drive phase `tau` (0 to 2π) with rate `v` > 0. A contact less deep than
 /// `grazing` is reported as such.
 #[inline(always)]
@@ -257,8 +260,8 @@ pub fn contact<W: LaneWidth>(
         tau: tau + whole,
         v: leaving,
         force,
-        // A top v²/(2|e|) above the surface.
-        grazing: (v * v).lt(arrival * (-2.0 * grazing)),
+        // A top v²/(2|e|) above the surface. Of a hammer at rest on it, e is rounding.
+        grazing: (v * v).lt((arrival + STILL) * (-2.0 * grazing)),
         cart,
     }
 }

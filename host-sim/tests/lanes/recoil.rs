@@ -49,6 +49,18 @@ fn random_cells_of_four_rigs_agree_with_the_reference() {
     assert!(labels.count() * 100 >= 90 * cells.len());
 }
 
+/// At rest its acceleration is rounding, of either sign: the reference had to run every third of these.
+#[test]
+fn a_hammer_at_rest_on_the_surface_stays_in_the_lanes() {
+    for (name, rig) in PRESETS {
+        let hz = rig.natural_frequency_hz();
+        let at = |i: i32| held(cell(rig, 0.0, (2.0 + 0.05 * f64::from(i)) * hz), 50.0);
+        let cells: Vec<_> = (0..40).map(at).collect();
+        let (_, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
+        assert_eq!(report.lanes, 40, "{name}: {report:?}");
+    }
+}
+
 /// Section, contacts and force of each of the first cycles, from starts at several phases.
 #[test]
 fn the_first_cycles_follow_the_reference() {
