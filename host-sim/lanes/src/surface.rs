@@ -110,7 +110,7 @@ struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Force over m A0 Ω².
+    /// Force over m A0 Ω²: every law without a closed form is ki δⁿ (1 + d δ̇) ([`Law::force`]).
     #[inline]
     fn force(&self, [x, v, ..]: PressState) -> f64 {
         if x <= 0.0 {
