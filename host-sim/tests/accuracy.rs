@@ -2,13 +2,22 @@
 //! largest force is within 0.02 % of the reference's at 10 and 50 µs.
 //!
 //! At 50 µs every point runs from rest. At 10 µs that would take minutes: there every point runs from
-//! where the reference settled, and a few run from rest as well (`examples/accuracy.rs` runs all).
+//! where the reference settled, and a few run from rest as well (`examples/accuracy` runs all).
 
 use std::sync::LazyLock;
 
-use numerics::accuracy::Setting;
-use numerics::accuracy::survey::{
-    Compared, ErrorSpread, REQUIREMENT, ReferenceEdge, SurveyPoint, compare, compare_near, points,
+#[path = "../examples/accuracy/outcome.rs"]
+#[allow(dead_code)] // The example reads more of it.
+mod outcome;
+#[path = "../examples/accuracy/survey.rs"]
+#[allow(dead_code)]
+mod survey;
+
+use numerics::engine::{Plan, Setting, Start};
+use numerics::{Error, parallel};
+use outcome::{real_frequency, settle, settle_reference};
+use survey::{
+    Compared, ErrorSpread, PLAN, REQUIREMENT, ReferenceEdge, SurveyPoint, compare, points,
 };
 
 const SEED: u64 = 2010;
@@ -23,6 +32,33 @@ static SURVEY: LazyLock<Vec<SurveyPoint>> = LazyLock::new(|| {
     let long = std::env::var_os("LONG_CHECKS").is_some();
     points(SEED, if long { POINTS } else { POINTS / 4 }).unwrap()
 });
+
+/// How long the switch model runs when it starts from the settled reference: the recorded window holds
+/// every n ≤ 16 twice.
+const NEAR: Plan = Plan {
+    cycles: 64,
+    transient: 32,
+};
+
+/// Runs the reference from rest at every point, and then both engines from where it settled: the same
+/// periods of the same motion, even where it still creeps.
+///
+/// # Errors
+/// As [`compare`].
+fn compare_near(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>, Error> {
+    let one = |point: &SurveyPoint| {
+        let params = point.params();
+        let frequency_hz = real_frequency(setting, point.frequency_hz())?;
+        let settled = settle_reference(&params, frequency_hz, Start::Rest, PLAN)?;
+        let start = Start::Section(settled.section);
+        Ok(Compared {
+            point: *point,
+            truth: settle_reference(&params, frequency_hz, start, NEAR)?,
+            seen: settle(setting, &params, point.frequency_hz(), start, NEAR)?,
+        })
+    };
+    parallel::try_map(points, one)
+}
 
 /// Asserts the requirement, but for points where a nanometre decides the reference itself.
 #[track_caller]

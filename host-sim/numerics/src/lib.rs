@@ -15,9 +15,7 @@
 //! | ground that gives way | [`drill`]: rate of penetration over frequency and gap |
 //! | the contact | [`contact_law`], [`drop_test`] as a sensor sees it ([`low_pass`]), [`identify`], [`compare`] with a [`signal`] |
 //! | underneath | [`parallel`]: work shared out over the threads; [`progress`], [`error`] |
-//! | how good it is | [`accuracy`]: the switch model against the reference |
 
-pub mod accuracy;
 pub mod basins;
 pub mod bifurcation;
 pub mod branch;

@@ -1,11 +1,10 @@
 //! How the steppers' errors fall with the tick.
 
-use numerics::accuracy::{Method, Setting};
-use numerics::engine::Switch;
-use numerics::engine::{Machine, Precision};
+use numerics::engine::{Machine, Switch};
 use numerics::orbit::{Orbit, shoot};
 use numerics::reference::Reference;
 use shared::model::contact::TABLE_3_1;
+use shared::model::drive::Drive;
 use shared::model::params::{BEAM_150, RigParams};
 use shared::model::step::{Banded, Corrected, Smoothed, Stepper};
 use shared::model::switch::Band;
@@ -65,13 +64,8 @@ const FINEST_S: f64 = 6.25e-6 / 32.0;
 
 /// The settled orbit at the frequency a drive with the finest tick really runs at, which all share.
 fn orbit() -> Orbit {
-    let setting = Setting {
-        method: Method::Corrected,
-        precision: Precision::F64,
-        tick_s: FINEST_S,
-    };
     let asked = 1.5 * params().natural_frequency_hz();
-    let frequency_hz = numerics::accuracy::real_frequency(setting, asked).unwrap();
+    let frequency_hz = Drive::<f64>::new(asked, FINEST_S).unwrap().frequency_hz();
     let mut hammer = Reference::<f64>::at_rest(&params(), frequency_hz).unwrap();
     for _ in 0..200 {
         hammer.run_period(&mut ());

@@ -2,17 +2,22 @@
 //!
 //! `cargo run --release -p host-sim --example accuracy`
 
+mod band;
+mod named;
+mod outcome;
+mod survey;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
+use band::ErrorsOverTicks;
 use files::UserError;
-use numerics::accuracy::band::{self, ErrorsOverTicks};
-use numerics::accuracy::named::{self, StepperCell};
-use numerics::accuracy::survey::{self, Compared, ErrorSpread, ReferenceEdge};
-use numerics::accuracy::{Method, Setting};
-use numerics::engine::Precision;
+use named::StepperCell;
+use numerics::engine::{Method, Precision, Setting};
+use outcome::PeriodsOutcome;
 use shared::model::step::{Banded, Corrected};
 use shared::model::switch::Band;
+use survey::{Compared, ErrorSpread, ReferenceEdge};
 
 const SEED: u64 = 2010;
 const POINTS: usize = 200;
@@ -217,7 +222,7 @@ fn survey_section() -> Result<String, UserError> {
 }
 
 fn edge_text(tick_us: f64, c: &Compared, edge: &ReferenceEdge) -> String {
-    let say = |o: &numerics::accuracy::PeriodsOutcome| format!("{}, {:.2} N", o.regime, o.force_n);
+    let say = |o: &PeriodsOutcome| format!("{}, {:.2} N", o.regime, o.force_n);
     let strayed: Vec<_> = edge.strayed().map(say).collect();
     format!(
         "| {tick_us} µs | {} | {:.4} | {:.4} | {} | {} of {}: {} | {} |\n",

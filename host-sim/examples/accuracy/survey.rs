@@ -7,20 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use shared::model::params::{PRESETS, RigParams};
 use shared::model::regime::Regime;
 
-use super::{PeriodsOutcome, Setting, real_frequency, settle, settle_reference};
-use crate::engine::{Plan, Start};
-use crate::error::Error;
-use crate::parallel;
+use numerics::engine::{Plan, Setting, Start};
+use numerics::{Error, parallel};
+
+use crate::outcome::{PeriodsOutcome, SETTLING, real_frequency, settle, settle_reference};
 
 /// How long each point runs from rest: 600 drive periods, the last 120 recorded.
-pub const PLAN: Plan = super::SETTLING;
-
-/// How long the switch model runs when it starts from the settled reference: the recorded window holds
-/// every n ≤ 16 twice.
-pub const NEAR: Plan = Plan {
-    cycles: 64,
-    transient: 32,
-};
+pub const PLAN: Plan = SETTLING;
 
 /// Largest clearance drawn, mm.
 pub const GAP_MM: f64 = 3.56;
@@ -125,26 +118,6 @@ pub fn compare(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>
             point: *point,
             truth: settle_reference(&params, frequency_hz, Start::Rest, PLAN)?,
             seen: settle(setting, &params, point.frequency_hz(), Start::Rest, PLAN)?,
-        })
-    };
-    parallel::try_map(points, one)
-}
-
-/// Runs the reference from rest at every point, and then both engines from where it settled: the same
-/// periods of the same motion, even where it still creeps.
-///
-/// # Errors
-/// As [`compare`].
-pub fn compare_near(points: &[SurveyPoint], setting: Setting) -> Result<Vec<Compared>, Error> {
-    let one = |point: &SurveyPoint| {
-        let params = point.params();
-        let frequency_hz = real_frequency(setting, point.frequency_hz())?;
-        let settled = settle_reference(&params, frequency_hz, Start::Rest, PLAN)?;
-        let start = Start::Section(settled.section);
-        Ok(Compared {
-            point: *point,
-            truth: settle_reference(&params, frequency_hz, start, NEAR)?,
-            seen: settle(setting, &params, point.frequency_hz(), start, NEAR)?,
         })
     };
     parallel::try_map(points, one)

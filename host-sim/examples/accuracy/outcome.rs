@@ -1,21 +1,14 @@
-//! How far the switch model's steppers are from the event-located reference: what `docs/accuracy.md` is
-//! made from.
-//!
-//! [`Method`] names a stepper with its settings, [`settle`] runs it to a periodic orbit, and
-//! [`settle_reference`] runs the reference at the very frequency the switch model's phase accumulator
-//! rounded to, so that both are asked the same question.
-
-pub mod band;
-pub mod named;
-pub mod survey;
+//! Runs of both engines to a periodic orbit, at the very frequency to which the switch model's phase accumulator rounds: so both
+//! are asked the same question.
 
 use shared::model::drive::Drive;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use crate::engine::{CycleRecorder, Engine, Machine, Plan, Precision, Start, machine, observe};
-pub use crate::engine::{Method, Setting};
-use crate::error::Error;
+use numerics::Error;
+use numerics::engine::{
+    CycleRecorder, Engine, Machine, Plan, Precision, Setting, Start, machine, observe,
+};
 
 /// What the recorded periods of a run showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +29,6 @@ impl PeriodsOutcome {
     /// Error of this outcome's force relative to another's.
     pub fn force_error(&self, truth: &Self) -> f64 {
         self.force_n / truth.force_n - 1.0
-    }
-
-    /// Error of this outcome's approach speed relative to another's.
-    pub fn approach_error(&self, truth: &Self) -> f64 {
-        self.approach_m_per_s / truth.approach_m_per_s - 1.0
     }
 }
 
@@ -78,22 +66,6 @@ pub const SETTLING: Plan = Plan {
     cycles: 600,
     transient: 480,
 };
-
-/// The settled reference, and the switch model started from where the reference ended.
-///
-/// # Errors
-/// As [`settle`].
-pub fn from_settled(
-    setting: Setting,
-    params: &RigParams,
-    frequency_hz: f64,
-    plan: Plan,
-) -> Result<(PeriodsOutcome, PeriodsOutcome), Error> {
-    let real = real_frequency(setting, frequency_hz)?;
-    let truth = settle_reference(params, real, Start::Rest, SETTLING)?;
-    let start = Start::Section(truth.section);
-    Ok((truth, settle(setting, params, frequency_hz, start, plan)?))
-}
 
 /// The frequency a `setting` really runs at when asked for `frequency_hz`.
 ///

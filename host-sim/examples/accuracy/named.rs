@@ -3,10 +3,10 @@
 use shared::model::params::{RigParams, preset};
 use shared::model::regime::Regime;
 
-use super::{Method, Setting, from_settled};
-use crate::engine::{Plan, Precision};
-use crate::error::Error;
-use crate::parallel;
+use numerics::engine::{Method, Plan, Precision, Setting, Start};
+use numerics::{Error, parallel};
+
+use crate::outcome::{SETTLING, real_frequency, settle, settle_reference};
 
 /// A point with a name people know it by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,13 +96,16 @@ impl NamedPoint {
         self.ratio * self.params().natural_frequency_hz()
     }
 
-    /// Compares one setting with the reference.
+    /// Compares one setting, started where the reference settled, with the reference.
     pub fn cell(&self, setting: Setting, plan: Plan) -> Option<StepperCell> {
-        let (truth, seen) =
-            from_settled(setting, &self.params(), self.frequency_hz(), plan).ok()?;
+        let (params, asked) = (self.params(), self.frequency_hz());
+        let real = real_frequency(setting, asked).ok()?;
+        let truth = settle_reference(&params, real, Start::Rest, SETTLING).ok()?;
+        let start = Start::Section(truth.section);
+        let seen = settle(setting, &params, asked, start, plan).ok()?;
         Some(StepperCell {
             force: seen.force_error(&truth),
-            approach: seen.approach_error(&truth),
+            approach: seen.approach_m_per_s / truth.approach_m_per_s - 1.0,
             same_regime: seen.regime == truth.regime,
         })
     }
@@ -113,12 +116,7 @@ impl NamedPoint {
 /// # Errors
 /// If a simulation fails, which none of the presets does.
 pub fn table(point: NamedPoint) -> Result<PointTable, Error> {
-    let settled = super::settle_reference(
-        &point.params(),
-        point.frequency_hz(),
-        crate::engine::Start::Rest,
-        super::SETTLING,
-    )?;
+    let settled = settle_reference(&point.params(), point.frequency_hz(), Start::Rest, SETTLING)?;
     let row = |&(method, precision): &(Method, Precision)| {
         let at = |tick_us: &f64| {
             let setting = Setting {

@@ -10,12 +10,11 @@ use shared::model::rig::Rig;
 use shared::model::step::{HammerState, Stepper};
 use shared::model::twin::Twin;
 
-use super::named::{NamedPoint, StepperCell};
-use super::{Method, Setting};
-use crate::engine::{Plan, Precision};
-use crate::error::Error;
-use crate::parallel;
-use crate::pick::sensitivity::{contact_damping_ratio, restitution};
+use numerics::engine::{Method, Plan, Precision, Setting};
+use numerics::pick::sensitivity::{contact_damping_ratio, restitution};
+use numerics::{Error, parallel};
+
+use crate::named::{NamedPoint, StepperCell};
 
 /// Where the band is studied.
 pub const POINT: NamedPoint = NamedPoint {
