@@ -212,6 +212,7 @@ const RIGS: [(&str, f64, f64); 4] = [
     ("beam-150", 274.0, 10.57),
     ("beam-135", 342.0, 13.07),
 ];
+const PAIRS: &str = "--pairs COUNT,SEED";
 /// Their amplitude, mm.
 const AMPLITUDE_MM: f64 = 0.89;
 
@@ -273,7 +274,7 @@ fn main() {
                     writeln!(limits, "{key} = {value}").expect("text");
                 }
             }
-            "--pairs" => drawn = arguments.next(),
+            "--pairs" => drawn = Some(arguments.next().expect(PAIRS)),
             "--aim" => {
                 let n = arguments.next().expect("--aim FORCE_N");
                 write!(limits, "[aim]\nforce_n = {n}\n").expect("text");
@@ -289,9 +290,11 @@ fn main() {
         .iter()
         .flat_map(|lie| LIES_FROM_S.map(|from_s| (lie, from_s)))
         .collect();
-    let rows: Vec<_> = match drawn.as_deref().and_then(|text| text.split_once(',')) {
-        Some((count, seed)) => {
-            let number = |text: &str| text.parse::<u64>().expect("--pairs COUNT,SEED");
+    let rows: Vec<_> = match drawn {
+        Some(text) => {
+            assert!(limits.is_empty(), "{PAIRS} draws rig and limits itself");
+            let (count, seed) = text.split_once(',').expect(PAIRS);
+            let number = |text: &str| text.parse::<u64>().expect(PAIRS);
             pairs(&all, number(count) as usize, number(seed))
         }
         None => cases

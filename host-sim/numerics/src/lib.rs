@@ -19,6 +19,7 @@
 pub mod basins;
 pub mod bifurcation;
 pub mod branch;
+// The page reads no records: less to compile.
 #[cfg(not(target_family = "wasm"))]
 pub mod compare;
 pub mod contact_law;

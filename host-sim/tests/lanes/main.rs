@@ -45,7 +45,7 @@ fn sample(count: usize, seed: u64) -> Vec<Cell> {
 fn sample_by(kind: LawKind, count: usize, seed: u64) -> Vec<Cell> {
     let mut cells = sample(count, seed);
     // At rest on the surface: the reference had to run these.
-    cells.extend((0..8).map(|i| cell(WIRES, 0.0, 2.0 + 0.4 * f64::from(i))));
+    cells.extend((0..8).map(|i| cell(WIRES, 0.0, 1.41 + 0.5 * f64::from(i))));
     for (i, cell) in cells.iter_mut().enumerate() {
         cell.params.contact = kind.preset();
         if i % 2 == 0 {

@@ -95,7 +95,7 @@ pub fn solve<P: Problem>(problem: &P, x: &[f64], held: &[usize], rounds: usize) 
     for _ in 0..rounds {
         let columns: Option<Vec<_>> = free.iter().map(|k| problem.column(&x, &here, *k)).collect();
         let columns = columns?;
-        evaluations += 1;
+        evaluations += columns.len() as u64;
         let square = products(&columns);
         let slope = DVector::from_fn(columns.len(), |i, _| columns[i].dot(&here.0));
         let least = LEAST_GAIN * cost.min(1.0);
@@ -179,19 +179,31 @@ fn step<P: Problem>(
             }
         }
         if !clipped {
-            let mut there = x.to_vec();
-            for (i, d) in moved.iter().enumerate() {
-                there[free[i]] += d.unwrap_or(0.0);
-            }
-            for (i, d) in open.iter().zip(found.iter()) {
-                there[free[*i]] += d;
-            }
-            return there;
+            return arrived(problem, x, free, &moved, &open, found.as_slice());
         }
     }
+    arrived(problem, x, free, &moved, &[], &[])
+}
+
+/// `x` with what was moved to the ends of ranges and what was `found` for the `open` coordinates; none of it outside its range by
+/// rounding.
+fn arrived<P: Problem>(
+    problem: &P,
+    x: &[f64],
+    free: &[usize],
+    moved: &[Option<f64>],
+    open: &[usize],
+    found: &[f64],
+) -> Vec<f64> {
     let mut there = x.to_vec();
-    for (i, d) in moved.iter().enumerate() {
-        there[free[i]] += d.unwrap_or(0.0);
+    let ends = moved
+        .iter()
+        .enumerate()
+        .filter_map(|(i, d)| Some((i, (*d)?)));
+    for (i, by) in ends.chain(open.iter().copied().zip(found.iter().copied())) {
+        let k = free[i];
+        let (low, high) = problem.range(x, k);
+        there[k] = (x[k] + by).clamp(low, high);
     }
     there
 }

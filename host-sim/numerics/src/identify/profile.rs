@@ -134,6 +134,8 @@ impl Search<'_> {
     /// The rise of χ² with the held parameter at `x`.
     fn rise(&mut self, x: f64) -> f64 {
         let held = self.held;
+        let (from, to) = self.unknowns.list()[held].range;
+        let x = x.clamp(from, to);
         // Begin from the nearest point known.
         let near = |a: &&(Vec<f64>, f64), b: &&(Vec<f64>, f64)| {
             (a.0[held] - x).abs().total_cmp(&(b.0[held] - x).abs())

@@ -197,7 +197,7 @@ impl Unknowns {
         &self.list
     }
 
-    /// How far a search may go at first, which is also the scale of each.
+    /// The scale of each, by which differences are taken.
     pub fn steps(&self) -> &[f64] {
         &self.steps
     }
