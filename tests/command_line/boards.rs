@@ -121,14 +121,14 @@ pub struct Toy {
 /// What a broken board may not do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Never {
-    /// Reach manual mode, after it took the start.
-    Manual,
     /// Become idle, after it took the stop.
     Idle,
     /// Give two pages of one forecast.
     OneForecast,
     /// Begin anew with its settings, while it streams.
     Restarts,
+    /// Let its time go on.
+    Ticks,
 }
 
 impl Toy {
@@ -151,9 +151,11 @@ impl Toy {
     fn turn(&mut self) {
         self.streams |= self.never == Some(Never::Restarts);
         let status = &mut self.status;
-        status.tick = status.tick.wrapping_add(100);
+        if self.never != Some(Never::Ticks) {
+            status.tick = status.tick.wrapping_add(100);
+        }
         match status.state {
-            State::SelfTest if self.never != Some(Never::Manual) => status.state = State::Manual,
+            State::SelfTest => status.state = State::Manual,
             State::Stop if self.never != Some(Never::Idle) => status.state = State::Idle,
             _ => {}
         }
@@ -188,6 +190,9 @@ impl Device for Toy {
     }
     fn command(&mut self, command: Command) -> Result<(), Refused> {
         match (command, self.status.state) {
+            (Command::Start(Mode::Automatic), State::Idle) if self.never == Some(Never::Ticks) => {
+                self.status.state = State::Seek;
+            }
             (Command::Start(Mode::Manual), State::Idle) => self.status.state = State::SelfTest,
             (Command::Stop, State::Manual) => self.status.state = State::Stop,
             (Command::SetPoint { frequency_hz, .. }, State::Manual) => {
@@ -199,7 +204,7 @@ impl Device for Toy {
         Ok(())
     }
     fn settings(&mut self) -> Settings {
-        Settings::for_rig(&WIRES)
+        Settings::for_rig(&WIRES).with_heartbeat()
     }
     fn replace_settings(&mut self, _settings: &Settings) -> Result<(), Refused> {
         Ok(())

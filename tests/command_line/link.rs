@@ -300,6 +300,21 @@ fn a_sweep_ends_on_the_first_interrupt_whatever_the_board_does() {
     assert!(!csv_rows(&folder.read("part.csv")).is_empty());
 }
 
+/// Its controller stands still while its link goes on. `start` with a heartbeat waited for ever.
+#[test]
+fn a_board_whose_time_stands_still_is_told() {
+    let board = toy(Toy {
+        never: Some(Never::Ticks),
+        ..Toy::new()
+    });
+    let ran = Folder::new().run(&board.line("start"));
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(
+        ran.err.contains("the controller stands still in seek"),
+        "{ran:?}"
+    );
+}
+
 #[test]
 fn no_wait_is_for_ever_and_nothing_raw_reaches_the_terminal() {
     let folder = Folder::new();

@@ -13,7 +13,7 @@ fn rigs_drawn_at_random_are_held_soon_and_at_their_optimum() {
     for row in &rows {
         assert_eq!(row["held"], true, "{row}");
         assert!(row["faults"].is_null(), "{row}");
-        // Over 200 trials the last held after 10.1 s, and the least share was 0.9965.
+        // Of 200 trials the last holds after 9.9 s; the least share is 0.9971, and 0.979 in one that a travel limit holds back.
         assert!(number(row, "hold_s") < 10.0, "{row}");
         let share = number(row, "force_share_at_amplitude");
         assert!((0.98..1.02).contains(&share), "{row}");

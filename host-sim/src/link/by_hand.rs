@@ -271,7 +271,9 @@ impl<P: Read + Write> ByHand<'_, P> {
 
 /// How long to wait for what takes `time_s` of the controller's time.
 fn at_most(time_s: f64) -> Duration {
-    Duration::from_secs_f64((SPARE_S + 3.0 * time_s).clamp(SPARE_S, LONGEST_S))
+    // The time is a board's word, and may be no number.
+    let wanted_s = (SPARE_S + 3.0 * time_s).max(SPARE_S);
+    Duration::from_secs_f64(wanted_s.min(LONGEST_S))
 }
 
 fn still_manual(status: &Status) -> Result<(), &'static str> {

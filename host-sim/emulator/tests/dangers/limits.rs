@@ -223,6 +223,33 @@ fn a_limit_that_acts_holds_when_the_force_sensor_dies() {
     });
 }
 
+/// By hand at a half or a third of the amplitude, where the limit acts little or not at all, the force sensor dies; then the
+/// set-point goes to the whole amplitude.
+#[test]
+fn a_limit_holds_by_hand_when_the_force_sensor_dies_at_a_small_amplitude() {
+    let cases = [
+        ("wires", 35.0, 3.66),
+        ("beam-170", 80.0, 9.0),
+        ("beam-135", 120.0, 12.9),
+    ];
+    let each = cases
+        .iter()
+        .flat_map(|case| [(0.45, 0.0), (0.45, 0.15), (0.3, 0.0)].map(|how| (case, how)));
+    let each: Vec<_> = each.collect();
+    each.par_iter()
+        .for_each(|&(&(rig, limit_n, hz), (mm, times))| {
+            let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
+            let points =
+                set_point(4.0, hz, mm) + &gain(20.0, "force", times) + &set_point(35.0, hz, 0.89);
+            let truth = truth_of(rig, 60.0, &(limits + &by_hand() + &points));
+            let most = truth.forces_n.iter().fold(0.0_f64, |m, n| m.max(*n));
+            assert!(
+                most > 0.5 * limit_n && most < 1.1 * limit_n,
+                "{rig} {mm} x{times}: {truth:?}"
+            );
+        });
+}
+
 #[test]
 fn the_force_limit_holds_while_the_set_point_never_rests() {
     // Row 16: 87 N for 35 s.

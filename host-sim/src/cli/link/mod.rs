@@ -298,11 +298,13 @@ fn start_automatic(port: &mut Port) -> Result<(), UserError> {
     say(
         "operator.heartbeat is set: when this program ends, the board's link timeout trips; `stop` in another window ramps down",
     );
+    let mut clock = Clock::new();
     loop {
         std::thread::sleep(PACE);
         port.command(control::Command::Alive)?;
         let status = port.status()?;
         print(&format!("{}\n", line(&status)));
+        clock.goes_on(&status).map_err(|why| port.complaint(why))?;
         match status.state {
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),
             State::Idle => return Ok(()),
