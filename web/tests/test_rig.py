@@ -4,6 +4,7 @@ and behind a Web Serial that is put in the browser's place."""
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import time
 
@@ -310,6 +311,19 @@ def test_two_pages_at_one_board(browser, server):
     print(f"the page that drives is closed: seen as stopping after {time.monotonic() - began:.2f} s")
     state(one, ["idle"])
     assert one.said == [], one.said
+    context.close()
+
+
+def test_what_a_silent_board_said_last_is_grey(browser, server):
+    context = browser.new_context()
+    page = connected(context, server)
+    page.wait_for_selector(".live[data-stale=false]")
+    server.board.send_signal(signal.SIGSTOP)
+    page.wait_for_selector(".live[data-stale=true]")
+    server.board.send_signal(signal.SIGCONT)
+    page.wait_for_selector(".live[data-stale=false]")
+    server.server.kill()
+    page.wait_for_selector(".live[data-stale=true]")
     context.close()
 
 

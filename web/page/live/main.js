@@ -5,6 +5,9 @@ import { hasSerial, openSerial } from "./serial.js";
 import { boardOfServer, openServer } from "./server.js";
 import { View } from "./view.js";
 
+// The state comes every 10 ms: a board that has not been heard for so long, ms, is silent.
+const SILENT = 1500;
+
 export async function start(container) {
   const said = element("p", { role: "status", class: "seat" }, "looking for a board …");
   const wrong = element("p", { role: "alert", class: "wrong" });
@@ -57,7 +60,7 @@ class Live {
       this.board = null;
       throw error;
     }
-    this.view.show(board);
+    this.view.show(board, SILENT);
   }
 
   async connectServer() {

@@ -118,18 +118,27 @@ export class View {
         element("code", {}, "host-sim replay"), " can begin there. ", element("code", {}, "host-sim compare"), " reads it, too."));
   }
 
-  // Shows `board` from now on; null: none, and what is still seen is no longer so.
-  show(board) {
+  // Shows `board` from now on; null: none, and what is still seen is no longer so. Nor is it once nothing has been heard for
+  // `silent` ms.
+  show(board, silent = Infinity) {
     this.board = board;
+    this.silent = silent;
+    this.heardAt = performance.now();
     this.status = null;
     this.heard = {};
-    this.panel.dataset.stale = String(!board);
+    this.tellAge();
     if (board) board.onheard = (heard) => this.take(heard);
     this.tellDrive();
     this.enable();
   }
 
+  // Greys what is no longer known.
+  tellAge() {
+    this.panel.dataset.stale = String(!this.board || performance.now() - this.heardAt > this.silent);
+  }
+
   take(heard) {
+    this.heardAt = performance.now();
     if (heard.status) {
       this.status = heard.status;
       this.tellDrive();
@@ -202,6 +211,7 @@ export class View {
   }
 
   drawScope() {
+    this.tellAge();
     if (!this.board || !this.dirty || this.panel.offsetParent === null) return;
     this.dirty = false;
     this.enable();
