@@ -358,18 +358,23 @@ mod tests {
     use shared::model::contact::LawKind;
     use shared::model::params::{RigParams, WIRES};
 
-    /// A blow on wires at the gap 0, at drive phase 0, fast enough that nothing but the surface counts.
-    fn blow(kind: LawKind, v: f64) -> (Constants, f64, PressState, f64) {
+    /// Of wires at the gap 0 with this law.
+    fn constants(law: Law<f64>) -> Constants {
         let cell = Cell {
             params: RigParams {
-                contact: kind.preset(),
+                contact: law,
                 ..WIRES
             },
             frequency_hz: 3.7,
             start: [0.0, 0.0],
             phase: 0.0,
         };
-        let c = Constants::new(&cell).unwrap();
+        Constants::new(&cell).unwrap()
+    }
+
+    /// A blow on wires at the gap 0, at drive phase 0, fast enough that nothing but the surface counts.
+    fn blow(kind: LawKind, v: f64) -> (Constants, f64, PressState, f64) {
+        let c = constants(kind.preset());
         let surface = c.surface.unwrap();
         let (mut state, mut peak) = ([0.0, v, 0.0, 0.0], 0.0);
         let (t, press) = surface.press(&c, (0.0, 1.0), &mut state, v, &mut peak);
@@ -386,16 +391,7 @@ mod tests {
             }
             let mut law = kind.preset();
             *law.number_mut("contact_exponent").unwrap() = exponent;
-            let cell = Cell {
-                params: RigParams {
-                    contact: law,
-                    ..WIRES
-                },
-                frequency_hz: 3.7,
-                start: [0.0, 0.0],
-                phase: 0.0,
-            };
-            let c = Constants::new(&cell).unwrap();
+            let c = constants(law);
             let surface = c.surface.unwrap();
             let motion = surface.motion(&c, 2.0);
             for (x, v) in [

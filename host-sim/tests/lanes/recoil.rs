@@ -8,7 +8,7 @@ use shared::model::params::{PRESETS, WIRES};
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use super::{FULL, agreement, cell, close, sample};
+use super::{FULL, agreement, agrees_with_the_reference, cell, close, sample};
 
 fn held(mut one: Cell, frequency_hz: f64) -> Cell {
     one.params.cart = CartDrive::Loop(LoopParams {
@@ -34,19 +34,7 @@ fn recoiling(count: usize, seed: u64) -> Vec<Cell> {
 
 #[test]
 fn random_cells_of_four_rigs_agree_with_the_reference() {
-    let cells = recoiling(60, 1);
-    let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
-    let (ours, report) = run_with(Instructions::Widest, &cells, &FULL).unwrap();
-    let (both, same, force) = agreement(&ours, &reference);
-    assert!(both > 30, "{both}");
-    assert!(
-        same + 1 >= both && force + 1 >= both,
-        "{both} {same} {force}"
-    );
-    assert!(report.flagged <= 2 && report.unfit == 0, "{report:?}");
-    let labels = ours.iter().zip(&reference);
-    let labels = labels.filter(|(a, b)| a.regime.to_string() == b.regime.to_string());
-    assert!(labels.count() * 100 >= 90 * cells.len());
+    agrees_with_the_reference(&recoiling(60, 1), 30, 90);
 }
 
 /// At rest its acceleration is rounding, of either sign: the reference had to run every third of these.
