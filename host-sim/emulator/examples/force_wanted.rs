@@ -4,7 +4,10 @@
 //!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT [DECAY_MS]]
 //!
 //! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out; DECAY_MS the time within which the ringing
-//! decays, 2 if left out.
+//! decays, 2 if left out. Ends with 1 if a mean is more than 1 % off the force wanted, a blow in Hold above 105 % of the limit, or
+//! any above 110 % of it, the trip level.
+
+use std::process::ExitCode;
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, RunObserver, TrueContact};
@@ -85,7 +88,7 @@ fn peaks(
     [mean_n, peaks.in_hold_n, peaks.largest_n].map(|n| 100.0 * n / force_n)
 }
 
-fn main() {
+fn main() -> ExitCode {
     let number = |place: usize, or: f64| {
         let text = std::env::args().nth(place);
         text.map_or(or, |text| text.parse().expect("a number"))
@@ -98,11 +101,19 @@ fn main() {
         .flat_map(|rig| RINGING_KHZ.map(|khz| (*rig, khz)))
         .flat_map(|case| [false, true].map(|limited| (case, limited)))
         .collect();
+    let mut kept = true;
     for ((rig, strong_n), khz, limited) in cases.iter().map(|((r, k), l)| (*r, *k, *l)) {
         let all: Vec<_> = RINGING_PERCENT
             .par_iter()
             .map(|ringing| peaks(rig, strong_n, limited, noise, khz, *ringing))
             .collect();
+        kept &= all.iter().all(|[mean, in_hold, largest]| {
+            if limited {
+                *in_hold <= 105.0 && *largest <= 110.0
+            } else {
+                (99.0..=101.0).contains(mean)
+            }
+        });
         let range = |i: usize| {
             let of = |pick: fn(f64, f64) -> f64, from: f64| {
                 all.iter().fold(from, |a, row| {
@@ -123,4 +134,5 @@ fn main() {
             range(2)
         );
     }
+    ExitCode::from(u8::from(!kept))
 }

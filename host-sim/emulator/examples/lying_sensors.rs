@@ -6,6 +6,8 @@
 //!
 //!     cargo run --release -p emulator --example lying_sensors -- --pairs COUNT,SEED
 //!
+//! Ends with 1 if a limit was passed.
+//!
 //! The second makes two sensors lie in the same run, at times drawn at random, on one of the four rigs drawn at random, with force
 //! and travel limits that act (force 0.5 to 1.0 of a strong 1/1's, travel 4.5 to 6 amplitudes), by itself and by hand.
 //!
@@ -13,6 +15,7 @@
 //! place of the rig's own; one left empty stays. `--aim` sets `aim.force_n`.
 
 use std::fmt::Write as _;
+use std::process::ExitCode;
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
@@ -254,7 +257,7 @@ fn pairs(all: &[Lie], count: usize, seed: u64) -> Vec<[String; 9]> {
     rows.collect()
 }
 
-fn main() {
+fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let (mut rig, mut limits, mut csv) = ("wires".to_string(), String::new(), None);
     let mut drawn = None;
@@ -311,4 +314,8 @@ fn main() {
     if let Some(path) = csv {
         std::fs::write(&path, lines).expect("the CSV file can be written");
     }
+    let passed = rows
+        .iter()
+        .any(|[.., mark]| mark.to_lowercase().starts_with("passed"));
+    ExitCode::from(u8::from(passed))
 }

@@ -31,7 +31,10 @@ impl Settings {
         if wanted_n == 0.0 || (least_n..=self.limits.force_n).contains(&wanted_n) {
             return Ok(());
         }
-        Err(out_of_range("aim.force_n", wanted_n, must_be))
+        Err(ParamError {
+            lowest: Some(f64::from(least_n)),
+            ..out_of_range("aim.force_n", wanted_n, must_be)
+        })
     }
 
     fn check_sensors(&self) -> Result<(), ParamError> {
@@ -97,6 +100,7 @@ impl Settings {
                     key: day_key,
                     value: f64::from(day),
                     must_be,
+                    lowest: None,
                 });
             }
             if !(0.0..=100.0).contains(&share) {
@@ -233,10 +237,13 @@ impl Settings {
             (key, refractory_s, (2e-4, 2e-2), "0.0002 to 0.02"),
         ])?;
         // Of blows nearer to the threshold so much is cut off that their peak and their momentum contradict each other.
-        let limit_n = self.limits.force_n;
-        if limit_n < SEEN * on_n {
+        let (limit_n, least_n) = (self.limits.force_n, SEEN * on_n);
+        if limit_n < least_n {
             let must_be = "at least twice detection.on_n: a lower one cannot be kept";
-            return Err(out_of_range("limits.force_n", limit_n, must_be));
+            return Err(ParamError {
+                lowest: Some(f64::from(least_n)),
+                ..out_of_range("limits.force_n", limit_n, must_be)
+            });
         }
         Ok(())
     }
@@ -258,6 +265,7 @@ pub fn check_shaker(rig: &RigParams) -> Result<(), ParamError> {
             key,
             value,
             must_be,
+            lowest: None,
         })
     };
     if !(LOOP_DAMPING.0..=LOOP_DAMPING.1).contains(&damping) {
@@ -326,6 +334,7 @@ fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamEr
         key,
         value: f64::from(value),
         must_be,
+        lowest: None,
     }
 }
 

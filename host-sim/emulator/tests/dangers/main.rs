@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use shared::control::{ActiveLimits, State};
 use shared::fault::Fault;
 
+mod healthy;
 mod lies;
 mod limits;
 mod rig;

@@ -21,6 +21,29 @@ pub fn clock_dies(setup: &Setup) -> Found {
     Ok((found.text(&strike), found.bench.now()))
 }
 
+/// After the last contact and `trips.no_contact_s`, a drive period at 1 Hz and a block are allowed, µs.
+const DEAD_US: f64 = 1.0e6;
+
+/// The force's element dies in Hold, its amplifier and their noise do not.
+pub fn dead_force(setup: &Setup) -> Found {
+    let bench = Bench::holding(setup)?;
+    let settings = bench.scenario.settings;
+    let zero = settings.force.zero_code as u16;
+    let strike = Strike {
+        limit_us: 1e6 * f64::from(settings.trips.no_contact_s) + DEAD_US,
+        wait_ms: 60,
+        wanted: Fault::NoContact,
+    };
+    let found = struck_from(bench, &strike, |bench| {
+        for ms in 0..(strike.limit_us / 1e3) as u16 {
+            bench.rig.borrow_mut().forced[0] = Some(zero + ms % 2);
+            bench.advance_ms(1)?;
+        }
+        Ok(())
+    })?;
+    Ok((found.text(&strike), found.bench.now()))
+}
+
 /// The way back of the set-point after a trip (docs/wiring.md): codes per tick, and ticks at most.
 const STEP: u16 = 2;
 const WAY_BACK: usize = 900;

@@ -86,7 +86,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 51] = [
+const ALL: [Check; 52] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -142,6 +142,7 @@ const ALL: [Check; 51] = [
     ("one mistake in the set-up", mutants::sample),
     ("waiting passed over", passed::same),
     ("the clock dies in Hold", hold::clock_dies),
+    ("a dead force sensor in Hold", hold::dead_force),
     ("the set-point after a trip in Hold", hold::way_back),
     ("benchmark", benchmark::benchmark),
 ];

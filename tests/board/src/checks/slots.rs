@@ -2,7 +2,7 @@
 
 use shared::control::SettingsState;
 use shared::fault::Fault;
-use shared::link::LinkAct;
+use shared::link::{LinkAct, LinkAnswer, ToBoard};
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -25,7 +25,15 @@ fn start(
     let rose = bench.rig.borrow_mut().is_driven();
     must(!rose, || "PA8 was high without a start".into())?;
     let fault = status.fault.map(|record| record.fault);
-    Ok((bench.client.board()?.settings, fault))
+    let state = bench.client.board()?.settings;
+    let LinkAnswer::Settings(settings) = bench.client.ask(ToBoard::GetSettings)? else {
+        return Err("no settings".into());
+    };
+    let stored = matches!(state, SettingsState::Stored | SettingsState::OlderCopy);
+    must(stored || settings.operator.heartbeat, || {
+        format!("{state:?}, and no heartbeat is asked for")
+    })?;
+    Ok((state, fault))
 }
 
 /// Two saves, so that both slots are full; then each damaged, both, and both erased.
@@ -75,5 +83,6 @@ pub fn damaged(setup: &Setup) -> Found {
         })?;
         text.push(format!("{name}: {state:?}"));
     }
-    Ok((text.join(", "), bench.now()))
+    let text = text.join(", ") + "; without its own, the board asks for the heartbeat";
+    Ok((text, bench.now()))
 }
