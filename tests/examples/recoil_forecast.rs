@@ -1,5 +1,5 @@
 //! The microcontroller's forecast with a cart that recoils (f32, long steps) beside `pick`'s (f64, located events): the
-//! built-in rigs with their assumed shaker at several gaps. Prints the table of docs/cart.md.
+//! built-in rigs with their assumed shaker at several gaps. Prints a table.
 //!
 //!     cargo run -p tests --example recoil_forecast
 

@@ -4,7 +4,7 @@
 //! exact (comparison, choice), so that a lane's result has the same bits on AVX-512, AVX2, NEON and without vectors.
 //!
 //! WebAssembly has no fused multiply-add: there a product is rounded before the sum, and results differ in the last digits.
-//! (Computed in software the fused one gives the same bits, and takes some twenty times as long: docs/page.md.)
+//! (Computed in software the fused one gives the same bits, and takes some twenty times as long.)
 
 use pulp::Simd;
 

@@ -44,7 +44,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     recorded: Option<u32>,
 
-    /// Cells that have not settled run on up to N cycles
+    /// Cells that have not settled are computed again with up to N cycles
     #[arg(long, value_name = "N")]
     settle: Option<u32>,
 

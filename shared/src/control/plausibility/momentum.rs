@@ -12,6 +12,9 @@ use crate::settings::{Settings, strong_force_n, strong_speed_m_per_s};
 pub const BAD_PULSES: u8 = 4;
 /// Impulse over momentum of the last contacts; wider by what a late sensor may be worth ([`super::LATE_S`]).
 pub const MOMENTUM_RANGE: (f32, f32) = (0.76, 1.32);
+/// Upwards so many times wider: displacements 1 ms later than the force, the whole of which is unknown here, read the speeds up to
+/// two thirds of the angle too small that the drive turns in it.
+const LATER_THAN_FORCE: f32 = 2.5;
 /// The same of a single contact, beyond which nothing needs to be averaged.
 pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
 /// Contacts in a row outside that trip.
@@ -110,7 +113,7 @@ impl Momentum {
         }
         let sum = self.mass_kg * self.speed_m_per_s;
         let (low, high) = MOMENTUM_RANGE;
-        let outside = !is_within(self.impulse_n_s, sum, (low - late, high + late));
+        let outside = !is_within(self.impulse_n_s, sum, (low - late, high + LATER_THAN_FORCE * late));
         let trips = super::run(&mut self.bad, outside, BAD_PULSES);
         trips.then(|| quotient(self.impulse_n_s, sum))
     }

@@ -44,12 +44,12 @@ fn impulse_over_momentum_may_be_off_by_what_a_late_sensor_is_worth() {
     for (hz, ratio, expected) in [
         (3.66, 0.749, Some(16)),
         (3.66, 0.752, None),
-        (3.66, 1.328, None),
-        (3.66, 1.331, Some(16)),
+        (3.66, 1.342, None),
+        (3.66, 1.345, Some(16)),
         (13.0, 0.726, Some(16)),
         (13.0, 0.729, None),
-        (13.0, 1.351, None),
-        (13.0, 1.354, Some(16)),
+        (13.0, 1.400, None),
+        (13.0, 1.403, Some(16)),
     ] {
         let tripped = trips_after(|p| {
             assert_eq!(p.ratio(None, true, hz), None);

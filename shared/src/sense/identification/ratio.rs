@@ -23,6 +23,8 @@ const MEMORY: u32 = 48;
 /// Windows in which the lag would be learnt if H and C explained nothing of D. They explain all but a hundredth of its
 /// square, so it takes minutes; noise of 2 % of A0 moves the lag by a tenth of a millisecond.
 const LAG_MEMORY: f32 = 32.0;
+/// Covariance of Y and H by white noise of the hammer's sensor, over the variance of Y by it: ∫φ̇² dt / ∫φ̈² dt, time in windows.
+const NOISE_OF_Y_IN_H: f32 = 1.0 / 42.0;
 /// Largest lag that is learnt, either way, ticks (0.6 ms): a gain that has just changed is taken for one at first, by as much.
 const LARGEST_LAG: f32 = 12.0;
 /// Windows before the plane says anything.
@@ -215,7 +217,9 @@ impl Plane {
         let (by_hammer, by_cart) = self.slopes(self.hd, self.cd, fit.determinant);
         let part = d - by_hammer * h - by_cart * c;
         let [apart_before, part_before] = core::mem::replace(&mut self.last, [apart, part]);
-        let product = (apart - apart_before) * (part - part_before);
+        // The hammer's noise is in Y and, through H, in what D leaves: by itself it would draw the lag away.
+        let by_noise = -2.0 * NOISE_OF_Y_IN_H * fit.left * by_hammer;
+        let product = (apart - apart_before) * (part - part_before) - by_noise;
         // Over D's whole square: where little of D is left, little is learnt.
         let lag = self.lag + product / (fit.by_cart * self.dd * LAG_MEMORY);
         if lag.is_finite() {
