@@ -45,32 +45,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 const INTRODUCTION: &str = "\
 # How accurate the simulation is
 
-How far is the microcontroller's model from the exact solution, and which stepper and tick should you
-use? *This page is written by `cargo run --release -p host-sim --example accuracy`; run it to measure
-everything again.*
+How far is the microcontroller's model from the exact solution, and which stepper and tick should you use? *This page is written by
+`cargo run --release -p host-sim --example accuracy`; run it to measure everything again.*
 
-The figures compare the switch model of `shared`, in `f32` as on the microcontroller or in `f64`, with the event-located
-reference. [checks.md](checks.md) says what the reference itself was compared with. A *stepper* is the way the switch model
-handles the step in which contact begins or ends: `Corrected`, `Banded` or `Smoothed` (`--stepper corrected` and so on).
+The page compares the switch model of `shared`, in `f32` as on the microcontroller or in `f64`, with the event-located reference
+([checks.md](checks.md) says what the reference was compared with). A *stepper* is the way the switch model handles the step in which
+contact begins or ends: `Corrected`, `Banded` or `Smoothed` (`--stepper corrected` and so on). The results in short:
 
-The results in short:
+- **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or release, so its error is that of
+  Runge–Kutta: fourth order in the tick. Below some 20 µs only the rounding of `f32` remains. With nonlinear laws, up to a hundred times
+  harder than the presets', the largest force at 50 µs is within 8e-6 of the reference's (27 random rigs;
+  `cargo test -p host-sim --test nonlinear`). A contact that is too hard for the tick is refused, and the message names a tick that is
+  short enough.
+- **At 100 µs** (six steps per contact of 0.57 ms) forces are accurate to about a tenth of a percent. **At 200 µs** they are not. The
+  section no longer repeats, and impacts may even die out.
+- **`Banded`**, the chapter's band alone, needs a band of 50 nm or less *and* a tick that resolves it (about 0.05 µs). With a longer tick the
+  hammer steps over the band. The force error then depends on where in the tick the onset falls, and periodic motion looks aperiodic.
+- **`Smoothed`** is kept for comparison. On a periodic orbit it converges to the switch as its transition narrows, if the tick shrinks
+  with it. Its rows compare the law's F at the peak; the force that acts there is smaller by the two arctangent factors.
 
-- **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or
-  release, so its error is that of Runge–Kutta: fourth order in the tick. Below some 20 µs only the
-  rounding of `f32` remains. On 27 random rigs with nonlinear laws, as hard as the presets' to a hundred times harder,
-  the largest force at 50 µs is within 8e-6 of the reference's (`cargo test -p host-sim --test nonlinear`). A contact
-  that is too hard even for that is refused, and the line names a tick that is short enough.
-- At 100 µs (six steps per contact of 0.57 ms) forces are still accurate to about a tenth of a percent. At
-  200 µs they are not, the section no longer repeats, and impacts may even die out.
-- **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that
-  resolves it (about 0.05 µs). With a longer tick the hammer steps over the band. The force error then
-  depends on where in the tick the onset falls, and periodic motion looks aperiodic.
-- **`Smoothed`** converges to the switch on a periodic orbit as its transition narrows, if the tick shrinks
-  with it. It is kept for comparison. Its rows compare the law's F at the peak; the force that acts there
-  is smaller by the two arctangent factors.
-
-The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per
-tick). The reference always runs at this rounded frequency, so both solve the same problem.
+The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per tick). The reference runs at
+this rounded frequency, so both solve one problem.
 
 ";
 
@@ -127,9 +122,9 @@ fn method_name(method: Method, precision: Precision) -> String {
 
 fn single_section() -> Result<String, UserError> {
     let mut text = String::from(
-        "## One contact\n\nA free mass of 0.298 kg against the surface, in `f32`. Largest error of the peak contact force, and in\n\
-         brackets of the rebound speed, in percent, relative to the closed form, over 100 onsets spread over a\n\
-         tick. `Banded` with η_α = 5e-8 m, η_β = 0.01 N.\n\n",
+        "## One contact\n\nA free mass of 0.298 kg strikes the surface, in `f32`. Each cell has the largest error of the peak contact\n\
+         force in percent, and in brackets that of the rebound speed, relative to the closed form, over 100 onsets\n\
+         spread over a tick. `Banded` has η_α = 5e-8 m, η_β = 0.01 N.\n\n",
     );
     let ticks_us = &named::TICKS_US;
     text.push_str(&header("stepper", ticks_us));
@@ -156,13 +151,13 @@ fn survey_section() -> Result<String, UserError> {
     let mut text = format!(
         "## {POINTS} random periodic points, `Corrected` in `f32`\n\n\
          The points use all four rigs in turn, a random gap from 0 to {} mm and a random frequency ratio from\n\
-         {} to {} (both uniform, seed {SEED}). Only points are used at which the reference, from rest, finds a\n\
-         regime z = p/n with n ≤ 16. Both engines run {} drive periods from rest; the largest forces of the last\n\
-         {} are compared. The requirement is {} % at 10 and 50 µs.\n\n\
+         {} to {} (both uniform, seed {SEED}). At each point the reference finds, from rest, a regime z = p/n with\n\
+         n ≤ 16. Both engines run {} drive periods from rest; the largest forces of the last {} are compared. The\n\
+         requirement is {} % at 10 and 50 µs.\n\n\
          Where the engines disagree, the **reference** also runs from {} initial conditions around rest, {:e} m away\n\
          (in displacement and rate/Ω). If one of them changes the regime, or the force by more than the\n\
-         requirement, the point lies *on the boundary between two attractors*. Such points are listed separately,\n\
-         since no engine can decide them.\n\n",
+         requirement, the point lies *on the boundary between two attractors*. No engine can decide such points, so\n\
+         they have a table of their own.\n\n",
         survey::GAP_MM,
         survey::RATIOS.start,
         survey::RATIOS.end,
@@ -240,9 +235,9 @@ fn edge_text(tick_us: f64, c: &Compared, edge: &ReferenceEdge) -> String {
 fn named_section() -> Result<String, UserError> {
     let mut text = format!(
         "## Named points, every stepper\n\n\
-         Error in percent of the largest force, and in brackets of the approach speed of that contact. The runs\n\
-         start on the reference's settled orbit; after {} periods the next {} are compared. An asterisk means that\n\
-         the regime differs from the reference's.\n\n",
+         Each cell has the error of the largest force in percent, and in brackets that of the approach speed of that\n\
+         contact. The runs start on the reference's settled orbit; after {} periods the next {} are compared. An\n\
+         asterisk means that the regime differs from the reference's.\n\n",
         named::PLAN.transient,
         named::PLAN.cycles - named::PLAN.transient,
     );
@@ -276,8 +271,8 @@ fn band_section() -> Result<String, UserError> {
         text.push_str(&row_text(&format!("{width:e} m"), &row));
     }
     text.push_str(
-        "\nThe damper alone acts in the band, so crossing it reduces the speed by 2 η_α ci/m: a hammer slower than\n\
-         that is trapped.\n\n\
+        "\nOnly the damper acts in the band. Crossing it reduces the speed by 2 η_α ci/m, and a slower hammer is\n\
+         trapped.\n\n\
          ## The smoothing method\n\nThe same point; ε_β = 1e7 N/m · ε_α.\n\n",
     );
     text.push_str(&header("ε_α", &band::TICKS_US));
