@@ -1,8 +1,9 @@
 //! Healthy rigs drawn at random: nothing is told of them, and they hold soon.
 
-use emulator::trials::long::{self, Campaign};
+use emulator::trials::long::{Campaign, LongTrial};
 use emulator::trials::{Believed, Distribution, RIGS, run_all};
 use numerics::NamedRig;
+use rayon::prelude::*;
 
 fn presets() -> Vec<Believed> {
     let rig = |name| Believed::new(&NamedRig::preset(name).unwrap());
@@ -23,11 +24,18 @@ fn random_rigs_hold_within_ten_seconds() {
     assert!(least(all.share_worst) > 0.98, "{all:?}");
 }
 
-/// Ten minutes in which natural frequency, lags and gains drift.
+/// Ten minutes in which natural frequency, lags and gains drift. (Trials 11 and 27 were told false faults: momentum did not allow for
+/// displacements 1 ms later than the force, and noise of the hammer's sensor drew away the lag that is learnt.)
 #[test]
 fn drifts_of_ten_minutes_are_followed() {
-    let count = super::some(20, 0..40).len();
-    let rows = long::run_all(49, count as u32, &presets(), 600.0, &()).unwrap();
+    let numbers = if super::is_long() {
+        (0..40).collect()
+    } else {
+        vec![11, 27]
+    };
+    let rigs = presets();
+    let run = |number| LongTrial::draw(49, number, &rigs).run(600.0).unwrap();
+    let rows: Vec<_> = numbers.into_par_iter().map(run).collect();
     let all = Campaign::of(&rows);
     assert_eq!((all.false_trips, all.lost), (0, 0), "{all:?}");
     assert!(least(all.share_worst) > 0.98, "{all:?}");

@@ -74,11 +74,15 @@ impl RunObserver for Truth {
     }
 }
 
-/// One in `of` ways, all with `LONG_CHECKS`.
+/// Whether campaigns run at their full length.
+fn is_long() -> bool {
+    std::env::var_os("LONG_CHECKS").is_some()
+}
+
+/// One in `of` ways, all if it [is long](is_long).
 fn some<T>(of: usize, ways: impl IntoIterator<Item = T>) -> Vec<T> {
-    let long = std::env::var_os("LONG_CHECKS").is_some();
     ways.into_iter()
-        .step_by(if long { 1 } else { of })
+        .step_by(if is_long() { 1 } else { of })
         .collect()
 }
 
