@@ -50,6 +50,12 @@ DRAWN = [
     ("(?<!<mrow>)<mo>([{}])</mo>(?!</mrow>)", r'<mo stretchy="false">\1</mo>'),
     (r'<mo stretchy="false">\|', '<mo stretchy="false" lspace="0" rspace="0">|'),
 ]
+# Words that say nothing, and turns that a stranger must read twice.
+AVOIDED = re.compile(
+    r"\b(which of the two|let be|to be had|the worse for|not measured again|before the last|all the same|simply|easily"
+    r"|obviously|of course|very|in order to)\b",
+    re.IGNORECASE,
+)
 log = logging.getLogger(__name__)
 
 
@@ -94,6 +100,9 @@ def read(app, doctree):
     for picture in doctree.findall(nodes.image):
         if not picture.get("alt"):
             log.warning("a picture without words", location=picture)
+    for paragraph in doctree.findall(nodes.paragraph):
+        for turn in AVOIDED.findall(paragraph.astext()):
+            log.warning("say it without “%s”", turn, location=paragraph)
     for section in doctree.findall(nodes.section):
         words = [part.astext() for part in section.children[1:] if not isinstance(part, nodes.section)]
         app.sections.append([page, section["ids"][0], section[0].astext(), " ".join(" ".join(words).split())])
