@@ -5,6 +5,7 @@ mod keys;
 #[cfg(test)]
 mod tests;
 
+use shared::model::params::ParamError;
 use shared::settings::{DriveKind, Settings};
 use toml::{Table, Value};
 
@@ -99,8 +100,21 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
     if let Some(force_n) = rigfile::force_wanted(wanted.force_n, wanted.ratio, &settings.rig)? {
         settings.aim.force_n = force_n;
     }
-    settings.check()?;
+    settings
+        .check()
+        .map_err(|error| refusal(&settings, error))?;
     Ok(settings)
+}
+
+/// Why `settings` are refused; with a force too low for a contact to be detected, the lowest that is not.
+pub fn refusal(settings: &Settings, error: ParamError) -> UserError {
+    let least_n = settings.least_force_n();
+    match error.key {
+        "limits.force_n" | "aim.force_n" if error.value < f64::from(least_n) => {
+            UserError::new(format!("{error} (here {least_n} N)"))
+        }
+        _ => error.into(),
+    }
 }
 
 /// The two ways to say which force is wanted.

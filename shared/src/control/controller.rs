@@ -376,7 +376,6 @@ fn oscillator_of(settings: &Settings) -> Result<DriveOscillator, ParamError> {
         key: "limits.max_frequency_hz",
         value: f64::from(settings.limits.max_frequency_hz),
         must_be: "a frequency the control tick can make",
-        lowest: None,
     })
 }
 

@@ -61,8 +61,6 @@ pub struct ParamError {
     pub value: f64,
     /// What it must be.
     pub must_be: &'static str,
-    /// The lowest that is accepted, where other numbers decide it.
-    pub lowest: Option<f64>,
 }
 
 impl core::fmt::Display for ParamError {
@@ -71,16 +69,14 @@ impl core::fmt::Display for ParamError {
             key,
             value,
             must_be,
-            lowest,
         } = self;
         let size = value.abs();
         if size != 0.0 && !(1e-4..1e7).contains(&size) {
             // Without hundreds of digits.
-            write!(f, "{key} is {value:e}, must be {must_be}")?;
+            write!(f, "{key} is {value:e}, must be {must_be}")
         } else {
-            write!(f, "{key} is {value}, must be {must_be}")?;
+            write!(f, "{key} is {value}, must be {must_be}")
         }
-        lowest.map_or(Ok(()), |lowest| write!(f, " (here from {lowest} on)"))
     }
 }
 
@@ -106,7 +102,6 @@ pub(super) fn ensure(
             key,
             value,
             must_be,
-            lowest: None,
         })
     }
 }

@@ -22,19 +22,21 @@ impl Settings {
         self.check_aim()
     }
 
+    /// The lowest force that can be wanted, or kept as a limit, N.
+    pub fn least_force_n(&self) -> f32 {
+        SEEN * self.detection.on_n
+    }
+
     /// Contacts that are hardly detected cannot be drawn to a force: some of them are missed.
     fn check_aim(&self) -> Result<(), ParamError> {
         let wanted_n = self.aim.force_n;
-        let least_n = SEEN * self.detection.on_n;
+        let least_n = self.least_force_n();
         let must_be =
             "0, or at least twice detection.on_n and at most limits.force_n, so that it is seen";
         if wanted_n == 0.0 || (least_n..=self.limits.force_n).contains(&wanted_n) {
             return Ok(());
         }
-        Err(ParamError {
-            lowest: Some(f64::from(least_n)),
-            ..out_of_range("aim.force_n", wanted_n, must_be)
-        })
+        Err(out_of_range("aim.force_n", wanted_n, must_be))
     }
 
     fn check_sensors(&self) -> Result<(), ParamError> {
@@ -100,7 +102,6 @@ impl Settings {
                     key: day_key,
                     value: f64::from(day),
                     must_be,
-                    lowest: None,
                 });
             }
             if !(0.0..=100.0).contains(&share) {
@@ -237,13 +238,10 @@ impl Settings {
             (key, refractory_s, (2e-4, 2e-2), "0.0002 to 0.02"),
         ])?;
         // Of blows nearer to the threshold so much is cut off that their peak and their momentum contradict each other.
-        let (limit_n, least_n) = (self.limits.force_n, SEEN * on_n);
-        if limit_n < least_n {
+        let limit_n = self.limits.force_n;
+        if limit_n < self.least_force_n() {
             let must_be = "at least twice detection.on_n: a lower one cannot be kept";
-            return Err(ParamError {
-                lowest: Some(f64::from(least_n)),
-                ..out_of_range("limits.force_n", limit_n, must_be)
-            });
+            return Err(out_of_range("limits.force_n", limit_n, must_be));
         }
         Ok(())
     }
@@ -265,7 +263,6 @@ pub fn check_shaker(rig: &RigParams) -> Result<(), ParamError> {
             key,
             value,
             must_be,
-            lowest: None,
         })
     };
     if !(LOOP_DAMPING.0..=LOOP_DAMPING.1).contains(&damping) {
@@ -334,7 +331,6 @@ fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamEr
         key,
         value: f64::from(value),
         must_be,
-        lowest: None,
     }
 }
 

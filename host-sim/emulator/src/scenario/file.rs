@@ -21,6 +21,7 @@ use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::decimal::comma_at;
 use files::rigfile;
+use files::settings_file::refusal;
 use files::{UserError, line_at};
 
 /// Slices per block where the file does not say: the first forecast is then done in one or two seconds of rig
@@ -301,19 +302,21 @@ fn settings(
     put(&mut to.no_contact_s, trips.no_contact_s, 1.0);
     put(&mut to.regime_lost_s, trips.regime_lost_s, 1.0);
     put(&mut to.link_timeout_s, trips.link_timeout_s, 1.0);
-    settings.check().map_err(in_the_file_s_units)?;
+    settings
+        .check()
+        .map_err(|error| in_the_file_s_units(&settings, error))?;
     Ok(settings)
 }
 
 /// Settings have lengths in m, and keys ending in `_m`; scenarios have mm.
-fn in_the_file_s_units(error: ParamError) -> UserError {
+fn in_the_file_s_units(settings: &Settings, error: ParamError) -> UserError {
     match error.key.strip_suffix("_m") {
         Some(key) => out_of_range(
             &format!("{key}_mm"),
             numerics::row::tidy(error.value * 1e3),
             error.must_be,
         ),
-        None => error.into(),
+        None => refusal(settings, error),
     }
 }
 

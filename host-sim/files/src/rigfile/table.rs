@@ -119,7 +119,6 @@ pub(super) fn from_table(table: &RigTable) -> Result<RigParams, NoRig> {
             key: "natural_frequency_hz",
             value: params.natural_frequency_hz(),
             must_be: "that of wires from 0.1 to 1e5 mm long",
-            lowest: None,
         }
         .into()),
         Err(error) => Err(error.into()),

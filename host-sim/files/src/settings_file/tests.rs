@@ -135,6 +135,19 @@ fn every_number_has_a_place_and_a_place_of_its_own() {
     }
 }
 
+#[test]
+fn a_force_that_is_too_low_is_refused_with_the_lowest_that_is_not() {
+    let base = Settings::for_rig(&PRESETS[0].1);
+    let least = base.least_force_n();
+    let text = |n: f32| format!("[aim]\nforce_n = {n:?}\n");
+    let complaint = overlay(&base, &text(0.9 * least)).unwrap_err().to_string();
+    assert!(
+        complaint.contains(&format!("(here {least} N)")),
+        "{complaint}"
+    );
+    assert!(overlay(&base, &text(least)).is_ok());
+}
+
 /// A value that no key takes is refused by the key that the file has, whoever checks it.
 #[test]
 fn a_value_out_of_range_is_refused_by_its_key_in_the_file() {

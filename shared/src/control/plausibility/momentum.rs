@@ -113,7 +113,11 @@ impl Momentum {
         }
         let sum = self.mass_kg * self.speed_m_per_s;
         let (low, high) = MOMENTUM_RANGE;
-        let outside = !is_within(self.impulse_n_s, sum, (low - late, high + LATER_THAN_FORCE * late));
+        let outside = !is_within(
+            self.impulse_n_s,
+            sum,
+            (low - late, high + LATER_THAN_FORCE * late),
+        );
         let trips = super::run(&mut self.bad, outside, BAD_PULSES);
         trips.then(|| quotient(self.impulse_n_s, sum))
     }

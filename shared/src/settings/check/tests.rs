@@ -44,9 +44,7 @@ fn a_force_limit_that_cannot_be_kept_is_refused_by_name() {
             let key = settings.check().map_err(|error| error.key);
             assert_eq!(key, if holds { Ok(()) } else { Err("limits.force_n") });
         }
-        // The refusal says the lowest that can be kept, in newtons, and that is accepted.
-        let lowest = settings.check().unwrap_err().lowest.unwrap();
-        settings.limits.force_n = lowest as f32;
+        settings.limits.force_n = settings.least_force_n();
         assert_eq!(settings.check(), Ok(()));
     }
 }
