@@ -15,7 +15,7 @@ use shared::settings::{DriveKind, DriveSettings, Settings, TICK_RATE_HZ, TICK_S}
 /// Ticks in a step of the model: with a step to every tick, the tick of a light touch would take a block past its
 /// deadline (docs/board-machine.md).
 const STEP_TICKS: u32 = 2;
-/// A step, s.
+/// Length of a step of the model, s.
 const STEP_S: f64 = STEP_TICKS as f64 * TICK_S;
 /// Steps in a second.
 const STEPS_PER_S: f32 = TICK_RATE_HZ as f32 / STEP_TICKS as f32;
@@ -39,7 +39,7 @@ pub struct Bench {
     twin: Option<Twin<f32, Corrected>>,
     /// Contact force (N), the hammer's displacement relative to the cart (m) and the cart's displacement (m) in this step.
     seen: (f32, f32, f32),
-    /// Cart amplitude, m.
+    /// Cart amplitude that the drive makes now, m.
     amplitude_m: f64,
     /// Largest set-point since the last crossing, codes from the middle.
     peak: i32,

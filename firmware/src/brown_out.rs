@@ -13,7 +13,7 @@ pub fn at_level_3(optcr: u32) -> u32 {
     optcr & !LEVEL
 }
 
-/// BOR_LEV of FLASH_OPTCR.
+/// BOR_LEV, bits 2 and 3 of FLASH_OPTCR: both 1 is off, both 0 is level 3.
 const LEVEL: u32 = 3 << 2;
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ const STEADY: u8 = 3;
 /// A start wants the button held so many steps: 2 s.
 const HELD: u8 = 200;
 
-/// The button, debounced.
+/// The button, debounced, and a press that may yet become a start.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Button {
     pressed: bool,

@@ -5,7 +5,7 @@ const WIDTH: u32 = 32;
 /// Bins; what lies beyond goes into the last.
 const BINS: usize = 512;
 
-/// Counts, in bins.
+/// How often each count came, in bins of 32, and the largest count.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     bins: [u32; BINS],
@@ -22,7 +22,7 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// Adds a count.
+    /// Enters one count into its bin.
     pub fn add(&mut self, count: u32) {
         let bin = (count / WIDTH) as usize;
         if let Some(bin) = self.bins.get_mut(bin.min(BINS - 1)) {
@@ -42,7 +42,7 @@ impl Histogram {
         (before.count() as u32 + 1) * WIDTH - 1
     }
 
-    /// The largest, exactly.
+    /// The largest count entered, exactly; 0 before any.
     pub fn worst(&self) -> u32 {
         self.worst
     }

@@ -12,7 +12,7 @@
 
 use shared::control::State;
 
-/// Steps per second.
+/// Steps of the pattern per second.
 pub const RATE_HZ: u32 = 100;
 
 /// A fault's flash, on and off, steps.
@@ -25,13 +25,13 @@ const PAUSE: u32 = 2 * RATE_HZ;
 pub struct LedShown {
     /// What the controller is doing.
     pub state: State,
-    /// The fault's number.
+    /// Number of the present or last fault, which is flashed in Fault; 0 for none.
     pub fault: u8,
     /// Bench mode: the model takes the place of the rig.
     pub bench: bool,
 }
 
-/// The LED's pattern.
+/// The LED's pattern: what it shows, and how far it has come.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LedPattern {
     shown: LedShown,

@@ -25,13 +25,13 @@ pub trait SettingsStore {
 
 /// The board as the link sees it.
 pub struct BoardLink<'a, D, F, K> {
-    /// The controller.
+    /// The controller with its recording, behind a lock.
     pub recorder: &'a mut D,
     /// The last forecast that is complete.
     pub forecast: &'a mut F,
     /// The storage of the settings.
     pub settings_store: &'a mut K,
-    /// The board's name.
+    /// The board's name, as the link gives it.
     pub board: &'static str,
     /// A number that no other start is likely to have.
     pub boot: u32,

@@ -9,7 +9,7 @@ pub struct Flags {
     pub watchdog: bool,
     /// The program reset itself.
     pub software: bool,
-    /// Power came on.
+    /// Power came on, also after a short drop of the supply.
     pub power_on: bool,
     /// The supply fell below the brown-out detector's level (set when power comes on, too).
     pub brown_out: bool,

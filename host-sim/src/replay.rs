@@ -18,7 +18,7 @@ use files::UserError;
 pub struct Replayed {
     /// Ticks replayed, up to and with the one that differs.
     pub ticks: u64,
-    /// The first difference.
+    /// The first difference from the log; none: every decision is the same.
     pub difference: Option<ReplayDifference>,
 }
 
@@ -29,7 +29,7 @@ pub struct ReplayDifference {
     pub tick: u64,
     /// What differs, as the log's column is called.
     pub what: &'static str,
-    /// As recorded.
+    /// The value in the log.
     pub recorded: String,
     /// As it is here.
     pub here: String,

@@ -91,7 +91,7 @@ pub fn frequencies(
     ))
 }
 
-/// The same for an analysis that cannot do without.
+/// Several drive frequencies, Hz, rising; an error if neither argument is there.
 pub fn some_frequencies(
     rig: &NamedRig,
     ratio: Option<Vec<f64>>,
@@ -133,7 +133,7 @@ pub fn plan(cycles: u32, transient: u32) -> PyResult<Plan> {
 /// Where a run begins: "rest", "fixed", or displacement in mm and velocity in m/s relative to the cart.
 #[derive(FromPyObject)]
 pub enum StartArgument {
-    /// By name.
+    /// "rest" or "fixed".
     Named(String),
     /// Displacement, mm, and velocity, m/s.
     Moving(f64, f64),

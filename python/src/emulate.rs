@@ -27,7 +27,7 @@ struct Sample {
     frequency_hz: f32,
 }
 
-/// Something that happened.
+/// An event of the run: when it happened, and what, in words.
 #[derive(Serialize)]
 struct Line {
     time_s: f64,

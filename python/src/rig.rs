@@ -18,7 +18,7 @@ pub struct PythonRig {
     text: Option<String>,
     /// Set over it, `key=value`.
     settings: Vec<String>,
-    /// The rig.
+    /// The rig itself, with its name.
     pub named: NamedRig,
 }
 

@@ -76,7 +76,7 @@ impl Fault {
         Self::ResetWhileDriving,
     ];
 
-    /// The stable number.
+    /// The fault's number in protocol and stored record: it never changes.
     #[inline]
     pub const fn code(self) -> u8 {
         self as u8
@@ -87,7 +87,7 @@ impl Fault {
         Self::ALL.into_iter().find(|fault| fault.code() == code)
     }
 
-    /// The stable name.
+    /// The fault's stable name, such as `over-force`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::EmergencyStop => "emergency-stop",
@@ -127,10 +127,10 @@ impl Fault {
 pub struct FaultSet(u32);
 
 impl FaultSet {
-    /// No fault.
+    /// The empty set: no fault.
     pub const NONE: Self = Self(0);
 
-    /// One fault.
+    /// The set of this one fault.
     pub const fn of(fault: Fault) -> Self {
         Self(1 << fault.code())
     }
@@ -184,7 +184,7 @@ impl FaultSet {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Origin {
-    /// Not a sensor.
+    /// No sensor: the fault is the system's.
     #[default]
     System = 0,
     /// The force sensor.
@@ -200,9 +200,9 @@ pub enum Origin {
 /// latches if there is one; the others are in [`FaultRecord::episode`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultRecord {
-    /// The fault.
+    /// The fault described: the first of the episode, or the first that latches if there is one.
     pub fault: Fault,
-    /// Which sensor.
+    /// The sensor that this fault is about.
     pub origin: Origin,
     /// Control ticks since the start at which its condition was seen (wraps after 2.5 days).
     pub tick: u32,
@@ -274,20 +274,20 @@ const LAYOUT: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Persisted {
-    /// The record, packed.
+    /// The record, packed: number, origin and layout; tick; value; frequency; episode.
     pub words: [u32; 5],
-    /// [`Persisted::check_of`] the words.
+    /// What [`Persisted::check_of`] gives for `words`; with another value there is no record.
     pub check: u32,
 }
 
 impl Persisted {
-    /// No record.
+    /// No record: its check is wrong on purpose.
     pub const EMPTY: Self = Self {
         words: [0; 5],
         check: 0,
     };
 
-    /// Packs a record.
+    /// Packs a record and adds its check.
     pub fn new(record: &FaultRecord) -> Self {
         let words = [
             u32::from(record.fault.code()) | (record.origin as u32) << 8 | LAYOUT << 16,

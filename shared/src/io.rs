@@ -89,10 +89,10 @@ impl Channel {
     }
 }
 
-/// One instant's samples.
+/// The raw codes of one control tick, and the emergency-stop chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Contact force.
+    /// Code of the contact force.
     pub force: AdcCode,
     /// Hammer displacement in the fixed frame, x.
     pub hammer: AdcCode,

@@ -33,7 +33,7 @@ pub enum DriveKind {
     Motor,
 }
 
-/// The drive.
+/// What drives the cart: its kind, its calibration, and how fast it may change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DriveSettings {
     /// What moves the cart.
@@ -68,7 +68,7 @@ pub struct Trips {
     pub force_n: f32,
     /// Hammer displacement relative to the cart, m.
     pub travel_m: f32,
-    /// Cart displacement, m.
+    /// Cart displacement, m, either way.
     pub cart_m: f32,
     /// Longest time without contact where the forecast has one, s.
     pub no_contact_s: f32,
@@ -122,11 +122,11 @@ pub struct Calibration {
 /// Those of the three sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Calibrations {
-    /// Force.
+    /// Calibration of the force sensor.
     pub force: Calibration,
-    /// Hammer displacement.
+    /// Calibration of the hammer's displacement sensor.
     pub hammer: Calibration,
-    /// Cart displacement.
+    /// Calibration of the cart's displacement sensor.
     pub cart: Calibration,
 }
 
@@ -141,24 +141,24 @@ pub struct Aim {
     pub power: bool,
 }
 
-/// The controller's settings.
+/// All settings of the controller, checked and replaced as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The believed rig; its `amplitude_m` is the amplitude held.
     pub rig: RigParams,
-    /// Force sensor, N.
+    /// Force sensor: its zero, and N per code.
     pub force: Channel,
     /// Hammer displacement sensor, fixed frame, m.
     pub hammer: Channel,
     /// Cart displacement sensor, fixed frame, m.
     pub cart: Channel,
-    /// The drive.
+    /// What drives the cart.
     pub drive: DriveSettings,
-    /// Limits.
+    /// Limits that the controller keeps without a fault.
     pub limits: Limits,
-    /// Trip levels.
+    /// Levels beyond which the drive is switched off.
     pub trips: Trips,
-    /// Contact detection.
+    /// How contacts are found on the force signal.
     pub detection: Detection,
     /// Who must be there.
     pub operator: OperatorSettings,
@@ -199,8 +199,8 @@ pub fn strong_speed_m_per_s(rig: &RigParams) -> f64 {
 }
 
 impl Settings {
-    /// The same for a rig that is really there: a program on the link must be heard while the drive is on, in automatic mode,
-    /// too.
+    /// These settings for a rig that is really there: a program on the link must be heard while the drive is on, in
+    /// automatic mode, too.
     #[must_use]
     pub fn with_heartbeat(mut self) -> Self {
         self.operator.heartbeat = true;

@@ -132,7 +132,7 @@ pub enum Never {
 }
 
 impl Toy {
-    /// At rest.
+    /// A toy at rest, with the settings of wires, that breaks no rule.
     pub fn new() -> Self {
         let settings = Settings::for_rig(&WIRES);
         let controller = Controller::new(&settings, &BootInfo::STORED).expect("good settings");

@@ -132,7 +132,7 @@ fn a_recording_is_a_log_without_a_gap_that_replays() {
     refused(&folder, &board.line("record run.parquet"), &[there]);
 }
 
-/// As Ctrl-C does.
+/// Interrupts a program as Ctrl-C does.
 fn interrupt(child: &Child) {
     let mut kill = process::Command::new("kill");
     kill.args(["-INT", &child.id().to_string()]);

@@ -76,7 +76,7 @@ impl RunObserver for Watch {
 
 /// An emulated rig with its board, in real time; it ends with the test program.
 pub struct Rig {
-    /// The board's port.
+    /// Path of the pseudo-terminal at which the board answers.
     pub path: String,
     pub truth: Arc<Truth>,
 }
@@ -100,7 +100,7 @@ impl Rig {
 /// `host-sim link PORT --page`.
 pub struct Served {
     child: Option<Child>,
-    /// `127.0.0.1:PORT`.
+    /// Host and port of the server: `127.0.0.1:PORT`.
     pub host: String,
     pub secret: String,
 }
@@ -354,7 +354,7 @@ impl Page {
         self.try_drive(truth).expect("it drives");
     }
 
-    /// The same where an answer may be late.
+    /// As [`Self::drive`], where an answer of the board may be late: an error then.
     pub fn try_drive(&mut self, truth: &Truth) -> Result<(), UserError> {
         self.command("take");
         self.client.command(Command::Start(Mode::Manual))?;

@@ -32,7 +32,7 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// The same, having made sure that it went well.
+    /// What it left, having made sure that it ended with code 0.
     pub fn well(self) -> Self {
         assert_eq!(self.code, Some(0), "{self:?}");
         self

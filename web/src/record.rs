@@ -65,7 +65,7 @@ impl StreamRecorder {
         self.ticks += u64::from(count);
     }
 
-    /// Its length, s.
+    /// Length of the recording, s.
     pub fn seconds(&self) -> f64 {
         self.ticks as f64 / f64::from(TICK_RATE_HZ)
     }

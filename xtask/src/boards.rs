@@ -9,7 +9,7 @@ pub const NUCLEO: &str = "nucleo";
 /// The board that QEMU plays.
 pub const QEMU: &str = "qemu";
 
-/// A board.
+/// A board as its `board.toml` describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltBoard {
     /// Its folder's name, which is also that on the command line.

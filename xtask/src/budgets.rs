@@ -9,7 +9,7 @@ pub struct BudgetLine {
     pub of: String,
     /// The resource, with its unit.
     pub resource: &'static str,
-    /// What was measured.
+    /// What the image takes of it.
     pub measured: u64,
     /// What it may be.
     pub budget: u64,
@@ -25,7 +25,7 @@ impl BudgetLine {
 pub struct Budgets(toml::Table);
 
 impl Budgets {
-    /// Reads the file.
+    /// Reads `firmware/budgets.toml`.
     pub fn read() -> JobResult<Self> {
         let path = command::root().join("firmware/budgets.toml");
         let text = std::fs::read_to_string(&path)

@@ -22,7 +22,7 @@ use crate::{
 /// A step ends with a remark for the summary, often empty.
 type Step = (&'static str, fn() -> JobResult<String>);
 
-/// What is run.
+/// The part of the checks that is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CheckPart {
     /// Both halves, side by side.
@@ -35,7 +35,7 @@ pub enum CheckPart {
     Beside,
 }
 
-/// Before both.
+/// The step before both halves: lists the tools that are there.
 const TOOLS: Step = ("tools", || silent(tools::list()));
 
 const HOST: &[Step] = &[

@@ -114,7 +114,7 @@ fn watch(command: &Command) -> Result<ProgramWatch, String> {
     })
 }
 
-/// The same under this watch.
+/// Runs like [`run_tee`], but gives the program up when `watch` says so.
 pub fn tee(command: &mut Command, mut watch: ProgramWatch, echo: bool) -> JobResult<Vec<String>> {
     announce(command);
     let name = program(command);

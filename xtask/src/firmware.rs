@@ -29,7 +29,7 @@ pub fn build(board: &BuiltBoard) -> JobResult<Vec<PathBuf>> {
     Ok(board.programs.iter().map(|name| image(name)).collect())
 }
 
-/// The same for the board of that name.
+/// Builds all programs of the board called `name`, as [`build`] does.
 pub fn build_named(name: &str) -> JobResult<Vec<PathBuf>> {
     build(&boards::named(name)?)
 }

@@ -43,7 +43,7 @@ impl Said {
     }
 }
 
-/// The same forecast on this machine.
+/// The forecast that QEMU runs for such a cart, computed on this machine.
 fn here(cart: CartDrive) -> JobResult<Forecast> {
     let mut forecaster = Forecaster::new();
     forecaster.start(&ForecastRequest::bench(&RigParams { cart, ..WIRES }));

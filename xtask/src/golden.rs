@@ -62,7 +62,7 @@ identify-coverage: identify --coverage --tests 1 --case noise-1-percent
 compare: compare ../simulate/out/simulate-wires-ratio-2-history.csv --ratio 2
 ";
 
-/// Folder and request.
+/// Each request: the folder of its answer, and the command line.
 fn requests() -> impl Iterator<Item = (&'static str, &'static str)> {
     REQUESTS.lines().filter_map(|line| line.split_once(": "))
 }

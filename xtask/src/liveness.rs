@@ -24,7 +24,7 @@ const LIMIT: &str = "XTASK_STEP_LIMIT_S";
 /// not get its turn either, is not a silent program.
 const LONGEST_LOOK: Duration = Duration::from_secs(2);
 
-/// Watches one program.
+/// Decides when a program is given up: silent for too long, or beyond its limit of time or work.
 pub struct ProgramWatch {
     patience: Duration,
     limit: Option<Duration>,

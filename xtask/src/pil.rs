@@ -22,7 +22,7 @@ use crate::{
 /// How long one side may do nothing after the other has ended.
 const AFTER: Duration = Duration::from_secs(20);
 
-/// What is run.
+/// Which scenario is run with the processor in the loop, and how often.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PilPlan {
     /// Scenario, by name or file.

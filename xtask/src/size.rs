@@ -16,7 +16,7 @@ pub const RAM_START: u64 = 0x2000_0000;
 struct Size {
     /// Code, constants and the variables' first values.
     flash: u64,
-    /// Variables.
+    /// Variables, with and without a first value.
     ram: u64,
     /// Reserved for the stack.
     stack: u64,
@@ -39,7 +39,7 @@ fn measure(elf: &[u8]) -> JobResult<Size> {
     Ok(size)
 }
 
-/// A symbol's value.
+/// Value of a symbol, an address as a rule; none if the image has no such symbol.
 pub fn symbol(file: &ElfFile32, name: &str) -> Option<u64> {
     file.symbols()
         .find(|symbol| symbol.name() == Ok(name))

@@ -28,13 +28,13 @@ pub fn of_children() -> Duration {
     })
 }
 
-/// Not known here.
+/// Zero: not measured on this system.
 #[cfg(not(unix))]
 pub fn of_children() -> Duration {
     Duration::ZERO
 }
 
-/// Two clocks.
+/// Measures time on the wall, and processor time of the programs started and ended since.
 pub struct Stopwatch {
     wall: Instant,
     processor: Duration,
@@ -50,7 +50,6 @@ pub struct Spent {
 }
 
 impl Stopwatch {
-    /// Starts now.
     pub fn start() -> Self {
         Self {
             wall: Instant::now(),
@@ -58,7 +57,7 @@ impl Stopwatch {
         }
     }
 
-    /// Since the start.
+    /// Times since the start.
     pub fn spent(&self) -> Spent {
         Spent {
             wall_s: self.wall.elapsed().as_secs_f64(),

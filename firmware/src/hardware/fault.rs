@@ -9,7 +9,7 @@ use cortex_m_rt::ExceptionFrame;
 
 use super::board;
 
-/// A processor fault.
+/// What is known of a processor fault.
 pub struct ProcessorFault {
     /// The instruction it happened at; unknown if the stack had overflowed.
     pub address: Option<u32>,

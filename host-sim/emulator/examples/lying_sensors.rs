@@ -216,7 +216,7 @@ const RIGS: [(&str, f64, f64); 4] = [
     ("beam-135", 342.0, 13.07),
 ];
 const PAIRS: &str = "--pairs COUNT,SEED";
-/// Their amplitude, mm.
+/// Amplitude of the cart on each of the rigs, mm.
 const AMPLITUDE_MM: f64 = 0.89;
 
 /// Rows of two sensors that lie in the same run, drawn with `seed`.

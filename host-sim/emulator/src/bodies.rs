@@ -17,7 +17,7 @@ use super::shaker::{Gains, Loop, SetPointPath};
 pub struct BodiesState {
     /// The hammer's coordinate relative to the cart ([`shared::model::rig`]).
     pub q: f64,
-    /// Its rate.
+    /// Rate of `q`: rad/s on wires, m/s on beams.
     pub v: f64,
     /// Cart displacement y, m.
     pub y: f64,
@@ -25,7 +25,7 @@ pub struct BodiesState {
     pub w: f64,
     /// Position of the armature (m) or angle of the crank (rad), where there is one.
     pub z: f64,
-    /// Its rate.
+    /// Rate of `z`: speed of the armature (m/s) or of the crank (rad/s).
     pub u: f64,
     /// Bend of the friction's bristles, m.
     pub p: f64,
@@ -83,9 +83,9 @@ impl PlantTotals {
 /// What both bodies are under during a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantBodies {
-    /// The hammer.
+    /// The hammer's equation of motion, relative to the cart.
     pub rig: Rig<f64>,
-    /// M, kg.
+    /// Mass M of the cart without the hammer, kg.
     pub cart_mass_kg: f64,
     /// How the cart is moved.
     pub shaker: Loop,
@@ -112,7 +112,7 @@ pub struct PlantBodies {
 pub struct PlantRates {
     /// Rate of the state.
     pub state: BodiesState,
-    /// Contact force, N.
+    /// Contact force on the hammer, N; 0 in flight.
     pub force: f64,
     /// Rates of the totals.
     pub powers: PlantTotals,

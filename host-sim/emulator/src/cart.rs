@@ -16,7 +16,7 @@ pub struct Friction {
     pub coulomb_n: f64,
     /// Before it slides, N; at least `coulomb_n`.
     pub static_n: f64,
-    /// Per speed, N·s/m.
+    /// Viscous friction per speed of the cart, N·s/m.
     pub viscous_n_s_per_m: f64,
 }
 
@@ -54,9 +54,9 @@ impl Friction {
 pub struct Stops {
     /// From the middle, m.
     pub at_m: f64,
-    /// k, N/m.
+    /// Stiffness k of a stop, N/m.
     pub stiffness_n_per_m: f64,
-    /// λ, s/m.
+    /// Damping λ of a stop: the share by which its force grows per speed of penetration, s/m.
     pub damping_s_per_m: f64,
 }
 
@@ -86,7 +86,7 @@ impl Stops {
 pub struct Mounting {
     /// Friction of the guide.
     pub friction: Option<Friction>,
-    /// End stops.
+    /// End stops at both sides of the cart's travel; none: it can move without limit.
     pub stops: Option<Stops>,
     /// Tilt of the whole rig, rad: positive, and the hammer falls towards the surface.
     pub tilt_rad: f64,

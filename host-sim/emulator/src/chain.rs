@@ -36,7 +36,7 @@ impl InputPin for Pin {
     }
 }
 
-/// The chain.
+/// The emergency-stop chain: whether it is open, and the filtered pin that follows it.
 #[derive(Clone, Debug)]
 pub struct EmergencyChain {
     open: bool,
@@ -46,7 +46,7 @@ pub struct EmergencyChain {
 }
 
 impl Default for EmergencyChain {
-    /// Closed.
+    /// A closed chain, its pin settled low.
     fn default() -> Self {
         Self {
             open: false,

@@ -31,7 +31,7 @@ impl Butterworth {
         }
     }
 
-    /// Settled at `value`.
+    /// Puts the filter at rest with input and output at `value`.
     pub fn settle(&mut self, value: f64) {
         self.state = [value, 0.0];
         self.input = value;

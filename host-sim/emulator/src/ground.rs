@@ -10,7 +10,7 @@ use shared::model::slider::{Slider, Touch};
 /// The ground, and whether it gives way at the moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantGround {
-    /// Stiffness, damping, threshold.
+    /// Stiffness k and damping c of the ground, and the contact force at which it gives way.
     pub slider: Slider<f64>,
     /// The feed makes up for the progress with this time constant, s.
     pub feed_s: f64,
@@ -28,7 +28,7 @@ impl PlantGround {
         }
     }
 
-    /// Contact force, N.
+    /// Contact force in N, where the ground's front is `front` metres beyond the gap.
     #[inline]
     pub fn force(&self, at: &Kinematics<f64>, front: f64) -> f64 {
         self.slider.force(self.touch(), at.delta - front, at.rate)
@@ -72,7 +72,7 @@ impl PlantGround {
         }
     }
 
-    /// The contact begins.
+    /// A contact begins: finds out whether the ground gives way from the start.
     pub fn begin(&mut self, at: &Kinematics<f64>, front: f64) {
         let touch = self.slider.at_onset(at.delta - front, at.rate);
         self.slipping = touch == Touch::Slipping;

@@ -29,7 +29,7 @@ impl Local {
         })
     }
 
-    /// Controller and forecast.
+    /// Controller and forecast, which advance together block by block.
     pub fn lockstep(&self) -> &Lockstep {
         &self.lockstep
     }

@@ -16,7 +16,7 @@ pub struct MotorParams {
     pub inertia_kg_m2: f64,
     /// Speed lost per torque at the crank's shaft, Hz/(N·m).
     pub slip_hz_per_n_m: f64,
-    /// Largest torque, N·m.
+    /// Largest torque of the motor at the crank's shaft, either way, N·m.
     pub torque_n_m: f64,
     /// Time constant of the converter's frequency, s.
     pub lag_s: f64,
@@ -55,7 +55,7 @@ pub struct Motor {
 }
 
 impl Motor {
-    /// Constants of `params`.
+    /// The motor that has these parameters.
     pub fn new(params: &MotorParams) -> Self {
         Self {
             radius: params.crank_m,

@@ -2,7 +2,7 @@
 
 use shared::control::{Basin, State};
 
-/// Every state.
+/// Every state of the controller.
 pub const STATES: [State; 9] = [
     State::Idle,
     State::SelfTest,
@@ -15,7 +15,7 @@ pub const STATES: [State; 9] = [
     State::Prove,
 ];
 
-/// Every basin.
+/// Every basin of attraction that the controller tells apart.
 pub const BASINS: [Basin; 3] = [Basin::Impact, Basin::NoImpact, Basin::Unknown];
 
 /// The name of a state.

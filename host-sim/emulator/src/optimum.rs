@@ -29,15 +29,15 @@ const NEAR: (f64, f64) = (0.95, 1.05);
 const SETTLED: [u32; 3] = [40, 20, 30];
 /// Relative change of the force from one period to the next, [`STILL_PERIODS`] times in a row, at which it has settled.
 const STILL: f64 = 1e-7;
-/// See [`STILL`].
+/// In so many periods in a row the force must change by at most [`STILL`].
 const STILL_PERIODS: u32 = 4;
-/// Drive periods measured.
+/// Drive periods over which force and amplitude are averaged once settled.
 const MEASURED: u32 = 10;
 
 /// A frequency and the force there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Optimum {
-    /// Hz.
+    /// Drive frequency, Hz.
     pub frequency_hz: f64,
     /// Largest force of a drive period, N.
     pub force_n: f64,

@@ -41,7 +41,7 @@ const SHORTEST_S: f64 = 1e-12;
 pub struct PlantBlow {
     /// When, s into the tick.
     pub at_s: f64,
-    /// How large, N.
+    /// Contact force at this maximum, N.
     pub peak_n: f64,
 }
 
@@ -144,14 +144,14 @@ impl Plant {
         Ok(plant)
     }
 
-    /// The same with ticks of another length.
+    /// This plant with ticks of `tick_s` seconds.
     #[must_use]
     pub fn with_tick(mut self, tick_s: f64) -> Self {
         self.tick_s = tick_s;
         self
     }
 
-    /// True time, s.
+    /// True time since the start, s: ticks done times their length.
     pub fn time_s(&self) -> f64 {
         self.ticks as f64 * self.tick_s
     }
@@ -172,7 +172,7 @@ impl Plant {
         }
     }
 
-    /// What acts.
+    /// Hammer, cart, drive and ground, and what acts on them during this tick.
     pub fn bodies(&self) -> &PlantBodies {
         &self.bodies
     }

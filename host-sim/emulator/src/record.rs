@@ -37,9 +37,9 @@ pub struct TickRow {
     reason = "at most a handful wait between two blocks"
 )]
 pub enum Given {
-    /// A command.
+    /// A command, and whether it was obeyed.
     Command {
-        /// The command.
+        /// The command as it was given.
         command: Command,
         /// Why it was not obeyed; none: it was.
         refused: Option<Refused>,
@@ -87,60 +87,60 @@ pub struct TrueContact {
     pub approach_speed_m_per_s: f64,
     /// And away from it at release, m/s.
     pub rebound_speed_m_per_s: f64,
-    /// Largest force, N.
+    /// Largest force of the contact, N.
     pub peak_force_n: f64,
     /// When it was largest, s of rig time.
     pub peak_at_s: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact, ∫F dt, N·s.
     pub impulse_n_s: f64,
     /// Energy it took, J.
     pub energy_lost_j: f64,
 }
 
-/// Something that happened.
+/// An event of a run and when it happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunEvent {
     /// Tick of the run.
     pub tick: u64,
     /// True rig time, s.
     pub time_s: f64,
-    /// What.
+    /// What happened.
     pub what: RunEventKind,
 }
 
-/// What happened.
+/// What can happen in a run: on the scenario's side and on the controller's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum RunEventKind {
     /// The scenario did something to the rig, its sensors or the controller.
     Scenario {
-        /// In words.
+        /// What it did, as a sentence for the reader.
         text: String,
     },
     /// The controller changed state.
     State {
-        /// From, by name.
+        /// Name of the state before the change.
         from: &'static str,
-        /// To, by name.
+        /// Name of the state after the change.
         to: &'static str,
     },
-    /// A fault tripped.
+    /// A fault of the controller tripped.
     Fault {
-        /// The fault.
+        /// Which fault.
         fault: Fault,
-        /// Which sensor.
+        /// The sensor that it blames; `System`: none.
         origin: Origin,
         /// The value that tripped it.
         value: f32,
     },
     /// The drive's enable line changed.
     Drive {
-        /// Now enabled.
+        /// Whether the drive is enabled from this tick on.
         on: bool,
     },
     /// Another event that the controller reported.
     Said {
-        /// In words.
+        /// What it reported, as a sentence for the reader.
         text: String,
     },
 }
@@ -151,16 +151,16 @@ pub trait RunObserver {
     fn tick(&mut self, _row: &TickRow) {}
     /// A block is done; its ticks came before.
     fn block(&mut self, _row: &BlockRow) {}
-    /// A contact ended.
+    /// A contact ended in this tick; called before the tick is reported.
     fn contact(&mut self, _contact: &TrueContact) {}
-    /// Something happened.
+    /// An event happened: of the scenario, the controller or the drive.
     fn event(&mut self, _event: &RunEvent) {}
 }
 
-/// Watches nothing.
+/// An observer that ignores everything.
 impl RunObserver for () {}
 
-/// Both watch.
+/// Two observers that are told the same, the first of them first.
 impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
     fn tick(&mut self, row: &TickRow) {
         self.0.tick(row);

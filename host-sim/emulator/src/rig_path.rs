@@ -13,7 +13,7 @@ const SEARCHED: usize = 5;
 /// The rig from a time on, and how long it counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// The rig.
+    /// The true rig in this stretch of time.
     pub rig: RigParams,
     /// Since when, s of rig time.
     pub since_s: f64,

@@ -42,7 +42,7 @@ pub struct Run<C, O> {
     observer: O,
     world: World,
     due: VecDeque<Due>,
-    /// Due between blocks.
+    /// Actions on the controller that are due, kept until the end of the block.
     waiting: Vec<Due>,
     tick: u64,
     /// Tick of the run at which the controller last started.
@@ -91,7 +91,7 @@ impl<C: ControlUnderTest, O: RunObserver> Run<C, O> {
         &mut self.control
     }
 
-    /// Who watches.
+    /// The observer, which is told of every tick, block, contact and event.
     pub fn observer(&mut self) -> &mut O {
         &mut self.observer
     }
@@ -124,7 +124,7 @@ impl<C: ControlUnderTest, O: RunObserver> Run<C, O> {
         self.observer.event(&event);
     }
 
-    /// The next block.
+    /// Runs the next block: its ticks of the world first, then the controller's answer to them.
     pub fn block(&mut self) {
         let ticks = self.scenario.block_ticks;
         let first = self.tick;

@@ -13,13 +13,13 @@ use super::world::Recession;
 pub struct Due {
     /// Tick of the run from which it has effect.
     pub tick: u64,
-    /// The action.
+    /// What is done then.
     pub what: Doing,
-    /// In words.
+    /// The action as a sentence for the timeline.
     pub text: String,
 }
 
-/// An action.
+/// An action of the scenario, on the rig or on the controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doing {
     /// A command is given.

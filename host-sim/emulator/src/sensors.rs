@@ -26,20 +26,20 @@ const QUIET_N: f64 = 1e-6;
 pub struct SensorErrors {
     /// Added to the value.
     pub offset: f64,
-    /// The value is read 1 + this times too large.
+    /// The value is read 1 + this times as large as it is.
     pub gain_error: f64,
     /// Standard deviation of a sample.
     pub noise: f64,
 }
 
-/// The sensors.
+/// Errors of the three sensors, their anti-alias filters, and the surface's ringing in the force signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorParams {
-    /// Force, N.
+    /// Errors of the force sensor, in N.
     pub force: SensorErrors,
-    /// Hammer displacement, m.
+    /// Errors of the hammer's displacement sensor, in m.
     pub hammer: SensorErrors,
-    /// Cart displacement, m.
+    /// Errors of the cart's displacement sensor, in m.
     pub cart: SensorErrors,
     /// Corner of the force signal's anti-alias filter, Hz.
     pub force_filter_hz: f64,
@@ -73,15 +73,15 @@ impl Default for SensorParams {
     }
 }
 
-/// A sensor.
+/// A sensor; as a number, its place among the codes of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EmulatedSensor {
-    /// Contact force.
+    /// The sensor of the contact force.
     Force,
-    /// Hammer displacement.
+    /// The sensor of the hammer's displacement.
     Hammer,
-    /// Cart displacement.
+    /// The sensor of the cart's displacement.
     Cart,
 }
 

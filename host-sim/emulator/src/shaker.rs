@@ -15,7 +15,7 @@ use shared::settings::check_shaker;
 
 use super::motor::{Motor, MotorParams};
 
-/// A shaker.
+/// Parameters of a shaker: its position loop, largest force, amplifier and armature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShakerParams {
     /// Natural frequency of the position loop with the cart alone, Hz: kp = M (2π f)².
@@ -64,7 +64,7 @@ impl ShakerParams {
 /// damper joins it to the cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmatureParams {
-    /// Its mass, kg.
+    /// Mass of the armature, kg.
     pub mass_kg: f64,
     /// Natural frequency of the cart on the joint while the armature is held, Hz.
     pub hz: f64,
@@ -75,7 +75,7 @@ pub struct ArmatureParams {
 /// An armature in the equations of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Armature {
-    /// Mass, kg.
+    /// Mass of the armature, kg.
     pub mass_kg: f64,
     /// Of the joint, N/m.
     pub stiffness: f64,

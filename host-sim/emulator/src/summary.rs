@@ -12,9 +12,9 @@ use super::world::levelled;
 /// A fault that tripped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tripped {
-    /// The fault.
+    /// Which fault tripped.
     pub fault: Fault,
-    /// Which sensor.
+    /// The sensor that the fault blames; `System`: none.
     pub origin: Origin,
     /// Tick of the run at which its condition was seen.
     pub tick: u64,
@@ -28,7 +28,7 @@ pub struct Tripped {
 /// is off in it, for whatever reason, the force is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ForceSpan {
-    /// How long, s.
+    /// Length of this time, s.
     pub time_s: f64,
     /// Largest true force of each drive period times its length, added up, N·s.
     pub force_n_s: f64,
@@ -69,7 +69,7 @@ pub struct RunSummary {
     pub hold_s: Option<f64>,
     /// The controller's last status.
     pub status: Option<Status>,
-    /// Contacts.
+    /// How many contacts have ended.
     pub contacts: u64,
     /// When the last ended, s.
     pub last_contact_s: Option<f64>,
@@ -95,7 +95,7 @@ pub struct RunSummary {
     pub faults: Vec<Tripped>,
     /// How the rig changed.
     pub rigs: RigPath,
-    /// Ticks run.
+    /// Ticks run so far.
     pub ticks: u64,
     /// Whether every set-point frequency was finite.
     pub finite: bool,
@@ -130,7 +130,7 @@ impl RunSummary {
         (time_s > 0.0).then(|| (now - before) / time_s)
     }
 
-    /// Nothing yet.
+    /// The summary of a run of `scenario` before its first tick.
     pub fn new(scenario: &Scenario) -> Self {
         Self {
             tick_s: scenario.tick_s(),
@@ -246,7 +246,7 @@ impl RunSummary {
         }
     }
 
-    /// A contact ended.
+    /// Counts a contact that ended.
     pub fn contact(&mut self, contact: &TrueContact) {
         self.contacts += 1;
         self.last_contact_s = Some(contact.onset_s + contact.duration_s);
@@ -264,7 +264,7 @@ impl RunSummary {
         self.status = Some(*status);
     }
 
-    /// Something happened.
+    /// Takes note of an event; those of the scenario count as the last cause of a fault.
     pub fn event(&mut self, event: &RunEvent) {
         if matches!(event.what, RunEventKind::Scenario { .. }) {
             self.last_act = Some(event.tick);

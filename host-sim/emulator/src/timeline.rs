@@ -25,7 +25,7 @@ impl fmt::Display for RunEventKind {
     }
 }
 
-/// Keeps every event.
+/// An observer that keeps every event of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
     /// In the order in which they were reported.

@@ -30,11 +30,11 @@ const START_S: f64 = 1.0;
 
 /// What is drawn: the largest distance from what the controller believes, either way (the gap: from and to).
 pub mod spread {
-    /// Natural frequency, %.
+    /// True natural frequency from the believed one, %.
     pub const NATURAL_PERCENT: f64 = 10.0;
     /// Contact stiffness and damping, %.
     pub const CONTACT_PERCENT: f64 = 50.0;
-    /// Gap, mm.
+    /// True gap less the believed one, mm: from and to.
     pub const GAP_MM: (f64, f64) = (-0.2, 1.0);
     /// Gain of each sensor, %.
     pub const GAIN_PERCENT: f64 = 5.0;
@@ -45,7 +45,7 @@ pub mod spread {
 /// A rig that the controller believes in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Believed {
-    /// Its name.
+    /// Name of the rig.
     pub name: String,
     /// The lines of `[true_rig]` that describe it.
     keys: String,
@@ -97,9 +97,9 @@ pub struct Trial {
     pub gap_offset_mm: f64,
     /// By how much the force sensor reads too much, %.
     pub force_gain_percent: f64,
-    /// The same of the hammer's sensor, %.
+    /// By how much the hammer's displacement sensor reads too much, %.
     pub hammer_gain_percent: f64,
-    /// The same of the cart's, %.
+    /// By how much the cart's displacement sensor reads too much, %.
     pub cart_gain_percent: f64,
 }
 
@@ -206,7 +206,7 @@ impl Trial {
 /// What became of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialOutcome {
-    /// The trial.
+    /// The trial that was run.
     pub trial: Trial,
     /// From the start to the first Hold, s.
     pub hold_s: Option<f64>,
@@ -214,8 +214,8 @@ pub struct TrialOutcome {
     pub held: bool,
     /// Mean true force from the first Hold on over the true rig's optimum at A0.
     pub force_share: Option<f64>,
-    /// The same over the optimum at the amplitude that the cart's sensor makes of A0: no controller can know that its
-    /// gain is wrong.
+    /// Mean true force from the first Hold on over the true rig's optimum at the amplitude that the cart's sensor makes
+    /// of A0: no controller can know that its gain is wrong.
     pub force_share_at_amplitude: Option<f64>,
     /// Mean frequency from the first Hold on, Hz.
     pub frequency_hz: Option<f64>,
@@ -276,10 +276,10 @@ impl From<&TrialOutcome> for TrialRow {
     }
 }
 
-/// All trials together.
+/// What became of all trials together: counts and quantiles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Distribution {
-    /// Number of trials.
+    /// How many trials there were.
     pub trials: usize,
     /// How many ended in Hold.
     pub held: usize,
@@ -289,19 +289,19 @@ pub struct Distribution {
     pub lost: usize,
     /// From the start to Hold: half of the trials are not later, s. None: half of them never held.
     pub hold_median_s: Option<f64>,
-    /// The same for 95 of 100.
+    /// From the start to Hold: 95 of 100 trials are not later, s. None: fewer than that ever held.
     pub hold_95_s: Option<f64>,
-    /// The last, s.
+    /// From the start to Hold: the latest trial, s. None: one never held.
     pub hold_last_s: Option<f64>,
     /// Median share of the optimum's force at the amplitude as read, from Hold on.
     pub share_median: Option<f64>,
     /// 5 of 100 trials have at most this share.
     pub share_5: Option<f64>,
-    /// The smallest.
+    /// Smallest share of the optimum's force at the amplitude as read; 0 if a trial never held.
     pub share_worst: Option<f64>,
     /// Median share of the optimum's force at A0.
     pub share_at_a0_median: Option<f64>,
-    /// The smallest.
+    /// Smallest share of the optimum's force at A0; 0 if a trial never held.
     pub share_at_a0_worst: Option<f64>,
 }
 

@@ -12,12 +12,12 @@ use shared::settings::{Settings, TICK_S};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reset {
-    /// Power came on.
+    /// Power came on: no record of an earlier fault is left.
     #[default]
     PowerOn,
     /// The watchdog has reset it.
     Watchdog,
-    /// The supply dropped.
+    /// The supply voltage dropped below its limit.
     BrownOut,
     /// The reset line was low while it drove.
     WhileDriving,
@@ -40,7 +40,7 @@ pub trait ControlUnderTest {
     /// # Errors
     /// Why it is refused.
     fn command(&mut self, command: Command) -> Result<(), Refused>;
-    /// Its status.
+    /// The controller's status after the last block.
     fn status(&mut self) -> Status;
     /// The events it reports, oldest first.
     fn take_event(&mut self) -> Option<Event>;

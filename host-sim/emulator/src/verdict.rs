@@ -20,9 +20,9 @@ const MOST_FORCE_SHARE: f64 = 1.02;
 /// A fault of a verdict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FaultLine {
-    /// Its number.
+    /// Number of the fault, as the link sends it.
     pub code: u8,
-    /// Its name.
+    /// Name of the fault, as scenarios write it.
     pub name: &'static str,
     /// When its condition was seen, s of rig time.
     pub at_s: f64,
@@ -37,7 +37,7 @@ pub struct FaultLine {
 pub struct Verdict {
     /// Name of the scenario.
     pub scenario: String,
-    /// `pass` or `fail`.
+    /// `pass`, or `fail` if an expectation was not met.
     pub verdict: &'static str,
     /// Expectations that were not met; empty for a pass.
     pub why: Vec<String>,
@@ -54,7 +54,7 @@ pub struct Verdict {
     /// The true rig's optimum ([`super::optimum`]), Hz: with its cart's recoil, unless the scenario prescribes the
     /// cart's motion. Of a rig that changes: mean over the same time.
     pub optimum_frequency_hz: Option<f64>,
-    /// Its force ratio.
+    /// Largest force of a drive period at that optimum, over the hammer's weight.
     pub optimum_force_ratio: Option<f64>,
     /// Force from the first Hold on over the optimum's.
     pub force_share: Option<f64>,
@@ -62,7 +62,7 @@ pub struct Verdict {
     pub share_from_start: Option<f64>,
     /// The true rig's optimum if its cart did not recoil (`pick --nominal`), Hz.
     pub prescribed_optimum_frequency_hz: Option<f64>,
-    /// Its force ratio.
+    /// Largest force of a drive period at that optimum, over the hammer's weight.
     pub prescribed_optimum_force_ratio: Option<f64>,
     /// Faults, as they tripped.
     pub faults: Vec<FaultLine>,
@@ -74,11 +74,11 @@ pub struct Verdict {
     pub basin: &'static str,
     /// The true basin: whether there was contact in the last twenty drive periods.
     pub true_basin: &'static str,
-    /// Contacts.
+    /// How many contacts there were in the run.
     pub contacts: u64,
     /// Largest true force, over the hammer's weight.
     pub largest_force_ratio: f64,
-    /// The same, N.
+    /// Largest true force, N.
     pub largest_force_n: f64,
     /// Largest displacement of the hammer relative to the cart, mm.
     pub largest_travel_mm: f64,
@@ -86,7 +86,7 @@ pub struct Verdict {
     pub largest_cart_mm: f64,
     /// Longest time for which the drive stayed powered while a fault of the scenario was present, s.
     pub driven_with_fault_s: f64,
-    /// Rig time, s.
+    /// Length of the run, s of rig time.
     pub duration_s: f64,
     /// Rate of penetration from the first Hold on, µm/s; none without ground that gives way.
     pub rate_of_penetration_um_per_s: Option<f64>,

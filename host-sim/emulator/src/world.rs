@@ -102,7 +102,7 @@ impl World {
         })
     }
 
-    /// The plant.
+    /// The plant: hammer, cart and drive, as they truly are.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -204,7 +204,7 @@ impl World {
         self.plant.set_friction(friction);
     }
 
-    /// Pushes the hammer.
+    /// Changes the hammer's speed towards the surface by `speed_m_per_s`, at once.
     pub fn push(&mut self, speed_m_per_s: f64) {
         self.plant.push(speed_m_per_s);
     }

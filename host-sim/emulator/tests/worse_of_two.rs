@@ -17,7 +17,7 @@ const END_S: f64 = 55.0;
 struct Truth {
     force_n: f64,
     travel_mm: f64,
-    /// The same until it has settled.
+    /// Largest displacement of the hammer relative to the cart until the limits have settled, mm.
     first_travel_mm: f64,
     cart_mm: f64,
     faults: Vec<Fault>,

@@ -13,12 +13,12 @@ pub fn comma(text: &str) -> Option<String> {
     Some(format!("write {pointed} with a point"))
 }
 
-/// The same as the end of a message: `; write 1.7 with a point`. Empty if there is none.
+/// The advice of [`comma`] as the end of a message: `; write 1.7 with a point`. Empty if no number has a decimal comma.
 pub fn hint(text: &str) -> String {
     comma(text).map_or(String::new(), |write| format!("; {write}"))
 }
 
-/// The same for line `number` (counted from 1) of a TOML file, whose comments do not count.
+/// The advice of [`comma`] for line `number` (from 1) of a TOML file, without its comment. None if there is none.
 pub fn comma_at(text: &str, number: usize) -> Option<String> {
     let line = text.lines().nth(number.checked_sub(1)?)?;
     let (_, value) = line.split_once('=')?;

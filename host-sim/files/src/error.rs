@@ -16,13 +16,13 @@ impl UserError {
         Self(line.into())
     }
 
-    /// The same line, after the place it is about: a file, a line of it, an option.
+    /// Puts the place that the line is about (a file, a line of it, an option) and a colon before it.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
         Self(format!("{place}: {}", self.0))
     }
 
-    /// The same about `place`, where it is about a setting that nobody wrote as --set.
+    /// Puts `place` before a line about a setting that nobody wrote as --set: a leading `--set: ` is dropped.
     #[must_use]
     pub fn at_setting(self, place: impl fmt::Display) -> Self {
         let line = self.0.strip_prefix("--set: ").unwrap_or(&self.0);

@@ -9,7 +9,7 @@ use shared::model::slider::Slider;
 
 use crate::UserError;
 
-/// Fastest feed, mm/s.
+/// Fastest feed that may be asked for, mm/s.
 const FASTEST_MM_PER_S: f64 = 1000.0;
 
 /// What is asked for. Errors name the command line's options.
@@ -137,7 +137,7 @@ fn needed(rig: &NamedRig, what: &str, option: &str) -> UserError {
 /// The bit as an answer has it.
 #[derive(Debug, Serialize)]
 pub struct BitWords {
-    /// Mass, kg.
+    /// Mass of the bit, kg.
     pub bit_mass_kg: f64,
     /// Stiffness of the hammer's contact with it, N/m.
     pub bit_stiffness_n_per_m: f64,

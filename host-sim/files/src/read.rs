@@ -22,8 +22,8 @@ pub fn read_text(path: &Path) -> Result<String, UserError> {
     read_text_of(path, MOST_TEXT)
 }
 
-/// The same for a table, of at most `MOST_TABLE` bytes, which may also be UTF-16 with its mark, or Latin-1, as instruments and
-/// spreadsheets write them. A file of measuring programs that is no text is named.
+/// The text of a table, a file of at most `MOST_TABLE` bytes: in UTF-8, in UTF-16 with its mark, or in Latin-1, as
+/// instruments and spreadsheets write it. The error names the kind of a known file that is no text, such as a MAT file.
 ///
 /// # Errors
 /// There is no such file, it is a folder or a device, too large, or no text.

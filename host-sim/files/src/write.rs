@@ -30,7 +30,7 @@ pub struct Written {
 pub struct WriteError {
     /// The file or folder that could not be made.
     pub path: PathBuf,
-    /// The system's error.
+    /// What the operating system said.
     pub source: io::Error,
 }
 
@@ -104,7 +104,7 @@ pub fn write_new(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), 
     kept.map(drop).map_err(|e| failed(path, e.error))
 }
 
-/// The same as [`write()`] without a sync: for files that can be computed again if a power failure damages them.
+/// Writes as [`write()`] does, without a sync: for files that can be computed again if a power failure damages them.
 ///
 /// # Errors
 /// As [`write()`].

@@ -38,68 +38,68 @@ macro_rules! quantities {
 }
 
 quantities! {
-    /// What flight needs.
+    /// What a flight needs: the slow part's drive, spring and damping, and the ring.
     Ringing:
     /// sin τ's share in what drives the slow part.
     drive_sin
-    /// cos τ's share.
+    /// cos τ's share in what drives the slow part.
     drive_cos
-    /// The ring's a.
+    /// a of the ring z″ = −a z′ − b z.
     a
-    /// The ring's b.
+    /// b of the ring z″ = −a z′ − b z.
     b
-    /// 1/√b.
+    /// 1/√b: drive phase per radian of the ring.
     short
-    /// Slow part: k of y″ = drive − k y − d y′, nearly the support's,
+    /// k of the slow part y″ = drive − k y − d y′, nearly the support's.
     spring
-    /// and d.
+    /// d of the slow part y″ = drive − k y − d y′.
     damping
 }
 
 quantities! {
     /// What a contact needs, and both ends of a flight. `q` stands for a deviation of the cart, `v` for its rate.
     Joint:
-    /// The cart of a slow flight: by the hammer's distance from rest,
+    /// Cart of a slow flight: η and η′ by the hammer's distance from rest.
     q_by_x
     v_by_x
-    /// by its rate,
+    /// Cart of a slow flight: η and η′ by the hammer's rate.
     q_by_v
     v_by_v
-    /// by sin τ
+    /// Cart of a slow flight: η and η′ by sin τ.
     q_by_sin
     v_by_sin
-    /// and cos τ.
+    /// Cart of a slow flight: η and η′ by cos τ.
     q_by_cos
     v_by_cos
-    /// The cart of a ring: by z
+    /// Cart of a ring: η and η′ by z.
     q_by_ring
     v_by_ring
-    /// and z′.
+    /// Cart of a ring: η and η′ by z′.
     q_by_ring_v
     v_by_ring_v
-    /// What the slow flight does not have of the cart, as a ring: z
+    /// z of the ring: by what the slow flight does not have of the cart's η and η′.
     ring_by_q
     ring_by_v
-    /// and z′.
+    /// z′ of the ring: by what the slow flight does not have of the cart's η and η′.
     ring_v_by_q
     ring_v_by_v
     /// The cart as the drive forces it in contact.
     forced_sin
     forced_cos
-    /// The slow pair in contact: η by what x, x′, η and η′ have beyond the forced motion,
+    /// η of the slow pair in contact: by what x, x′, η and η′ have beyond the forced motion.
     slow_q_by_x
     slow_q_by_v
     slow_q_by_q
     slow_q_by_w
-    /// and η′.
+    /// η′ of the slow pair in contact: by what x, x′, η and η′ have beyond the forced motion.
     slow_v_by_x
     slow_v_by_v
     slow_v_by_q
     slow_v_by_w
-    /// Its a and b,
+    /// a and b of the slow pair in contact.
     slow_a
     slow_b
-    /// and the hammer in it: x by η and η′.
+    /// The hammer in the slow pair: x by η and η′.
     x_by_slow
     x_by_slow_v
     /// The cart in the pair that rings: η and η′ by z and z′.
@@ -107,12 +107,12 @@ quantities! {
     q_by_touch_v
     v_by_touch
     v_by_touch_v
-    /// Flight beside the surface: x″ by sin τ, η, η′ and the support,
+    /// x″ in flight beside the surface: by sin τ, η, η′ and the support.
     push_sin
     push_q
     push_v
     push_hold
-    /// and η″.
+    /// η″ in flight beside the surface: by sin τ and, with a minus, by η, η′ and the support.
     recoil_sin
     recoil_q
     recoil_v
@@ -153,7 +153,7 @@ impl<T: LaneValue> Joint<T> {
         ]
     }
 
-    /// η and its first two derivatives in flight beside the surface, x″ and x‴: at `rate` (x′) with `hold` = pull − d x′.
+    /// η and its first three derivatives, x″ and x‴ in flight beside the surface, with `hold` = pull − d x′.
     #[inline(always)]
     pub fn beside(&self, cart: [T; 2], hold: T, (sin, cos): (T, T)) -> Beside<T> {
         let [q, v] = cart;
@@ -171,9 +171,9 @@ impl<T: LaneValue> Joint<T> {
 /// A moment of a flight beside the surface.
 #[derive(Clone, Copy)]
 pub struct Beside<T> {
-    /// x″.
+    /// Acceleration x″ of the hammer.
     pub x2: T,
-    /// x‴.
+    /// Third derivative x‴ of the hammer's coordinate.
     pub x3: T,
     /// η and its first three derivatives.
     pub cart: [T; 4],
@@ -193,9 +193,9 @@ impl Beside<f64> {
 /// A recoiling cart in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recoil {
-    /// For flight.
+    /// Constants of a flight.
     pub ringing: Ringing<f64>,
-    /// For contacts.
+    /// Constants of a contact, and of both ends of a flight.
     pub joint: Joint<f64>,
     /// The pair that rings in contact.
     pub touch: DampedPair,
@@ -205,7 +205,7 @@ pub struct Recoil {
 
 /// A support and a surface, for [`Recoil::new`].
 pub struct Around {
-    /// Hammer over cart.
+    /// Mass of the hammer over that of the cart.
     pub mass_ratio: f64,
     /// Sine of the wires' angle at the surface; 0 on beams.
     pub sin: f64,
@@ -215,7 +215,7 @@ pub struct Around {
     pub rest: Hold,
     /// The support at the surface.
     pub beside: Hold,
-    /// Support and surface.
+    /// Support and surface together.
     pub touch: Hold,
 }
 

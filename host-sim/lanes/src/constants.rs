@@ -37,7 +37,7 @@ pub struct Constants {
     pub kind: EquationKind,
     /// Coordinate per unit of x (rad or m).
     pub scale: f64,
-    /// Ω, rad/s.
+    /// Angular frequency Ω of the drive, rad/s.
     pub omega: f64,
     /// Newton per unit of force, m A0 Ω².
     pub force_unit_n: f64,
@@ -67,9 +67,9 @@ pub struct Constants {
     pub pulsation: f64,
     /// sin τ's share in the contact's forced motion.
     pub forced_sin: f64,
-    /// cos τ's share.
+    /// cos τ's share in the contact's forced motion.
     pub forced_cos: f64,
-    /// The constant share.
+    /// Constant share in the contact's forced motion.
     pub forced_mean: f64,
     /// Transient phase φ = ν τ at which a contact without outer force releases.
     pub release_phase: f64,
@@ -241,7 +241,7 @@ struct Support {
     spring: f64,
     damping: f64,
     pull: f64,
-    /// Beside the contact's.
+    /// The support's own share of what multiplies x in contact.
     stiffness: f64,
     fastest: f64,
 }

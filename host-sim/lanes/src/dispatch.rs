@@ -188,7 +188,7 @@ fn on<O: WithSimd>(instructions: Instructions, op: O) -> O::Output {
     arch.dispatch(op)
 }
 
-/// The same in a page, which is compiled for 128-bit vectors and does not run where there are none.
+/// Runs `op` in a page, which is compiled for 128-bit vectors and does not run where there are none.
 #[cfg(target_arch = "wasm32")]
 fn on<O: WithSimd>(_: Instructions, op: O) -> O::Output {
     match pulp::wasm::Simd128::try_new() {

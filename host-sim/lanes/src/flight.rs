@@ -13,13 +13,13 @@ pub type FlightPath<W> = [Num<W>; ORDER + 1];
 /// What flight needs of the cells, per lane.
 #[derive(Clone, Copy)]
 pub struct FlightLanes<W: LaneWidth> {
-    /// [`super::constants::Constants::rest`].
+    /// The surface from rest: wires θ_gap/σ, beams G.
     pub rest: Num<W>,
-    /// [`super::constants::Constants::bend`].
+    /// Wires: σ². Beams: k3.
     pub bend: Num<W>,
-    /// [`super::constants::Constants::spring`].
+    /// Wires: β. Beams: k1. With a cart that recoils, the slow part's k.
     pub spring: Num<W>,
-    /// [`super::constants::Constants::damping`].
+    /// Beams: d. Wires: 0. With a cart that recoils, the slow part's d.
     pub damping: Num<W>,
     /// The reciprocal of the step (0 for a lane at rest).
     pub per_step: Num<W>,
@@ -30,9 +30,9 @@ pub struct FlightLanes<W: LaneWidth> {
 /// Where the hammers are.
 #[derive(Clone, Copy)]
 pub struct HammerLanes<W: LaneWidth> {
-    /// Coordinate.
+    /// Coordinate x; with a cart that recoils, that of the slow part.
     pub x: Num<W>,
-    /// Its rate.
+    /// Rate x′ of that coordinate.
     pub v: Num<W>,
     /// Drive phase since the last strobe, rad.
     pub tau: Num<W>,
@@ -43,7 +43,7 @@ const fn weight(k: usize) -> f64 {
     1.0 / ((k + 1) * (k + 2)) as f64
 }
 
-/// Σ a_j b_{k−j}.
+/// Coefficient `k` of the product of two series: Σ a_j b_{k−j}.
 #[inline(always)]
 fn convolve<W: LaneWidth>(a: &FlightPath<W>, b: &FlightPath<W>, k: usize) -> Num<W> {
     // The middle first: the newest coefficients, at both ends, are the last to be ready.
@@ -58,7 +58,7 @@ fn convolve<W: LaneWidth>(a: &FlightPath<W>, b: &FlightPath<W>, k: usize) -> Num
     sum
 }
 
-/// Σ a_j a_{k−j}.
+/// Coefficient `k` of a series' square: Σ a_j a_{k−j}.
 #[inline(always)]
 fn itself<W: LaneWidth>(a: &FlightPath<W>, k: usize) -> Num<W> {
     if k == 0 {

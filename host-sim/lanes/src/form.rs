@@ -90,7 +90,7 @@ impl<'a> Form<'a> {
         (left * cos, left * sin)
     }
 
-    /// Coordinate and rate.
+    /// The hammer's coordinate and rate `t` after `tau`.
     pub fn state(&self, t: f64) -> (f64, f64) {
         let c = self.c;
         let (cos, sin) = self.transient(t);
@@ -158,11 +158,11 @@ pub struct Together<'a> {
     joint: &'a Joint<f64>,
     pub decay: f64,
     pulsation: f64,
-    /// The cart.
+    /// Amplitudes of the cart's deviation in this pair.
     cart: (f64, f64),
-    /// The hammer.
+    /// Amplitudes of the hammer's coordinate in this pair.
     hammer: (f64, f64),
-    /// The force.
+    /// Amplitudes of the contact force in this pair.
     push: (f64, f64),
     /// The cart in the other pair.
     touch: (f64, f64),
@@ -203,7 +203,7 @@ impl<'a> Together<'a> {
         pair
     }
 
-    /// The same with the other pair's amplitudes of the hammer.
+    /// Adds the cart's amplitudes in the other pair, from those of the hammer, `a` and `b`.
     fn under(mut self, (a, b): (f64, f64), (decay, pulsation): (f64, f64)) -> Self {
         let slope = (pulsation * b - decay * a, -pulsation * a - decay * b);
         self.touch = mixed(
@@ -258,7 +258,7 @@ pub struct Turning {
     /// Both transient terms of F, and how a step turns and shrinks them.
     transient: (f64, f64),
     shrink: (f64, f64),
-    /// The same of the pair in which hammer and cart go together.
+    /// Both terms of F in the pair in which hammer and cart go together, and how a step turns and shrinks them.
     together: (f64, f64),
     shrink_together: (f64, f64),
     /// Both forced terms of F, and how a step turns them.

@@ -37,7 +37,7 @@ impl Job {
 pub struct Tuning {
     /// Step of flight, in radians of the faster of drive and hammer.
     pub step: f64,
-    /// Event tolerances.
+    /// Tolerances with which a meeting with the surface is found.
     pub margins: EventMargins,
     /// Distance between strobes that rounding and truncation alone make.
     pub grain: f64,
@@ -47,14 +47,14 @@ pub struct Tuning {
     pub dead: f64,
 }
 
-/// Work counters.
+/// Counts of the work that the lanes did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Iterations of all lanes together.
     pub iterations: u64,
     /// Lane steps done: iterations times lanes, less the idle ones.
     pub steps: u64,
-    /// Lanes times iterations.
+    /// Lanes times iterations: steps that there was room for.
     pub room: u64,
     /// Iterations in which the contact was computed.
     pub contact_rounds: u64,
@@ -62,7 +62,7 @@ pub struct Work {
     pub contacts: u64,
     /// Sustained contacts, or parts of them up to a section, computed one at a time.
     pub sustained: u64,
-    /// Drive cycles.
+    /// Drive cycles run, of all cells together.
     pub cycles: u64,
 }
 

@@ -50,7 +50,7 @@ pub use job::Work;
 pub use reduce::SETTLED_WITHIN;
 pub use settling::Strobes;
 
-/// One simulation.
+/// A cell of a map: one simulation, by its rig, drive frequency and start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// The rig, with its gap.
@@ -90,9 +90,9 @@ impl CellPlan {
 /// A point of the section, and what happened in the drive period that ended with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaneStrobe {
-    /// Coordinate.
+    /// The hammer's coordinate at the strobe ([`shared::model::rig`]), m or rad.
     pub q: f64,
-    /// Its rate.
+    /// The hammer's rate at the strobe, m/s or rad/s.
     pub v: f64,
     /// Largest contact force of the period, N.
     pub force_n: f64,
@@ -111,7 +111,7 @@ pub struct CellOutcome {
     pub settled_after: Option<u32>,
     /// Whether what the regime calls the motion may pass: the recorded cycles show that it still changes.
     pub unsettled: bool,
-    /// Cycles run.
+    /// Drive cycles that were run.
     pub cycles: u32,
     /// Longest section period searched for.
     pub searched: u8,

@@ -16,7 +16,7 @@ use shared::model::cart::LoopParams;
 /// z″ = −a z′ − b z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DampedPair {
-    /// Twice the decay.
+    /// a: twice the rate of decay.
     pub a: f64,
     /// Square of the angular frequency without damping.
     pub b: f64,
@@ -38,24 +38,24 @@ impl DampedPair {
 /// What support or surface do: s = pull − K x − C x′ (`pull` acts at the surface alone).
 #[derive(Clone, Copy, Debug)]
 pub struct Hold {
-    /// K.
+    /// K: what acts against x.
     pub stiffness: f64,
-    /// C.
+    /// C: what acts against x′.
     pub damping: f64,
 }
 
-/// The two bodies.
+/// Hammer and cart: the constants of the module's two equations.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearBodies {
-    /// λ.
+    /// λ = cos θ: share of the cart's acceleration that acts on the hammer.
     pub lever: f64,
-    /// κ.
+    /// κ: stiffness of the cart's loop over the mass that it moves, in units of Ω².
     pub spring: f64,
-    /// γ.
+    /// γ: damping of the cart's loop over the mass that it moves, in units of Ω.
     pub damper: f64,
-    /// g.
+    /// g: share of the course's acceleration that the feed-forward lacks.
     pub lag: f64,
-    /// μ.
+    /// μ: how much of s acts back on the cart.
     pub share: f64,
 }
 
@@ -74,7 +74,7 @@ impl LinearBodies {
         }
     }
 
-    /// G.
+    /// G = 1 + λ μ: how many times more s accelerates a hammer whose cart recoils.
     pub fn gain(&self) -> f64 {
         1.0 + self.lever * self.share
     }

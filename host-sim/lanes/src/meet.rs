@@ -20,7 +20,7 @@ pub struct Met<W: LaneWidth> {
     pub uncertain: Mask<W>,
 }
 
-/// Event tolerances.
+/// Tolerances with which a meeting with the surface is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventMargins {
     /// A top this close to the surface, in cart amplitudes, may or may not have touched it.

@@ -19,12 +19,12 @@ pub struct Mask<W: LaneWidth> {
 }
 
 impl<W: LaneWidth> Num<W> {
-    /// The same number in every lane.
+    /// `x` in every lane.
     #[inline(always)]
     pub fn splat(w: W, x: f64) -> Self {
         Self { w, v: w.splat(x) }
     }
-    /// From a row.
+    /// Reads a row of memory.
     #[inline(always)]
     pub fn load(w: W, row: &LaneNumbers) -> Self {
         Self {
@@ -32,12 +32,12 @@ impl<W: LaneWidth> Num<W> {
             v: w.load(row, 0),
         }
     }
-    /// Into a row.
+    /// Writes a row of memory.
     #[inline(always)]
     pub fn store(self, row: &mut LaneNumbers) {
         self.w.store(row, 0, self.v);
     }
-    /// The same constant beside this vector.
+    /// `x` in every lane, in the instruction set of this vector.
     #[inline(always)]
     pub fn of(self, x: f64) -> Self {
         Self::splat(self.w, x)
@@ -54,19 +54,17 @@ impl<W: LaneWidth> Num<W> {
         let v = self.w.mul_sub_from(self.v, b.v, c.v);
         Self { w: self.w, v }
     }
-    /// |self|.
     #[inline(always)]
     pub fn abs(self) -> Self {
         let v = self.w.abs(self.v);
         Self { w: self.w, v }
     }
-    /// √self.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         let v = self.w.sqrt(self.v);
         Self { w: self.w, v }
     }
-    /// self < b.
+    /// In each lane: whether self < b.
     #[inline(always)]
     pub fn lt(self, b: Self) -> Mask<W> {
         let m = self.w.lt(self.v, b.v);

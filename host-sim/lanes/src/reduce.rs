@@ -9,13 +9,13 @@ use super::{CellOutcome, CellPlan, LaneStrobe};
 /// A strobe, and what happened in the drive period that ended with it; without units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrobeRecord {
-    /// Coordinate.
+    /// Coordinate x, in cart amplitudes from the surface.
     pub x: f64,
-    /// Rate.
+    /// Rate x′, per radian of drive phase.
     pub v: f64,
-    /// Largest force.
+    /// Largest contact force of the period, in units of m A0 Ω².
     pub force: f32,
-    /// Contacts that began.
+    /// Contacts that began in the period.
     pub onsets: u16,
     /// Whether the surface was touched.
     pub touched: bool,

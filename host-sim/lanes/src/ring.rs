@@ -10,7 +10,7 @@ use super::width::LaneWidth;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach([(f64, f64); HEIGHTS.len()]);
 
-/// In cart amplitudes.
+/// Heights of the ring that [`Reach`] has a step for, in cart amplitudes, falling.
 const HEIGHTS: [f64; 10] = [1.0, 0.1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
 
 impl Reach {
@@ -26,13 +26,13 @@ impl Reach {
 
 /// A step of a flight in which the cart may ring.
 pub struct Flown<W: LaneWidth> {
-    /// The hammer's path.
+    /// The hammer's path over the step, the ring in it.
     pub path: FlightPath<W>,
-    /// The step.
+    /// Length of the step, drive phase.
     pub h: Num<W>,
-    /// Its reciprocal.
+    /// Reciprocal of the step; 0 for a lane at rest.
     pub per_step: Num<W>,
-    /// The ring's path.
+    /// The ring's path over the step.
     pub ring: FlightPath<W>,
 }
 
@@ -75,9 +75,9 @@ pub fn flight_with_ring<W: LaneWidth>(
 /// The ring now, and the step that its height allows.
 #[derive(Clone, Copy)]
 struct Rung<W: LaneWidth> {
-    /// z and z′.
+    /// z and z′; both 0 once the ring has died out.
     ring: [Num<W>; 2],
-    /// The step.
+    /// Length of the step, drive phase.
     h: Num<W>,
     /// Its reciprocal (0 for a lane at rest).
     per_step: Num<W>,

@@ -25,7 +25,7 @@ pub struct Rows {
     pub damping: LaneNumbers,
     /// The reciprocal of `spring`.
     pub soft: LaneNumbers,
-    /// [`Constants::widest2`](super::constants::Constants::widest2).
+    /// The square of the widest swing about rest that lanes follow.
     pub widest2: LaneNumbers,
     pub pull: LaneNumbers,
     pub contact_spring: LaneNumbers,

@@ -10,7 +10,6 @@ use super::form::crossing;
 /// The law of a cell, and how it is without units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawSurface {
-    /// The law.
     pub law: Law<f64>,
     /// Penetration per x, m.
     pub depth_m: f64,
@@ -101,7 +100,7 @@ struct Motion<'a> {
     approach: f64,
     /// Force over m A0 Ω² per xⁿ, undamped.
     per_power: f64,
-    /// n; none: 1.5.
+    /// Exponent n of the law; none stands for 1.5, for which a square root is enough.
     exponent: Option<f64>,
     /// What x′ adds to the damping's factor, which is 1 at rest.
     per_rate: f64,
@@ -161,7 +160,7 @@ impl Motion<'_> {
         }
     }
 
-    /// The same with the first `N` numbers moving.
+    /// A step, and its error, with only the first `N` numbers of the state moving.
     fn step_of<const N: usize>(
         &self,
         from: PressState,

@@ -21,7 +21,7 @@ const LEAVING_STEP: f64 = 0.005;
 /// Side of the switch while x > 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SwitchSide {
-    /// The force acts.
+    /// The contact force acts.
     Contact,
     /// The force has ended, but x > 0 still.
     Leaving,
@@ -30,9 +30,9 @@ pub enum SwitchSide {
 /// A hammer in sustained contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sustained {
-    /// Coordinate.
+    /// Coordinate x, in cart amplitudes into the surface.
     pub x: f64,
-    /// Rate.
+    /// Rate x′, per radian of drive phase.
     pub v: f64,
     /// The rate with which this contact began.
     pub approach: f64,
@@ -122,7 +122,7 @@ impl Sustained {
         release.map(|_| ())
     }
 
-    /// The same by a law without a closed form.
+    /// In contact by a law without a closed form, for `end` at most, or until it is released.
     fn press_by_law(&mut self, surface: &LawSurface, c: &Constants, end: f64) -> Press {
         let mut state = [self.x, self.v, self.cart[0], self.cart[1]];
         let span = (self.tau, end);
@@ -180,7 +180,7 @@ impl Sustained {
         None
     }
 
-    /// The same from `from` on, where the transient is negligible and F is R sin(τ + ψ) + M.
+    /// The first release between `from` and `end`, where the transient is negligible and F is R sin(τ + ψ) + M.
     fn find_slow_release(&mut self, form: &Form, from: f64, end: f64) -> Option<f64> {
         let (sin, cos, mean) = form.slow();
         let swing = libm::hypot(sin, cos);

@@ -26,29 +26,29 @@ const LONGEST: f64 = 0.15;
 /// What a contact needs of the cells, per lane.
 #[derive(Clone, Copy)]
 pub struct SurfaceLanes<W: LaneWidth> {
-    /// [`super::constants::Constants::drive`].
+    /// Wires: cos θ at the surface, which the drive acts by there. Beams: 1.
     pub drive: Num<W>,
-    /// [`super::constants::Constants::pull`].
+    /// Constant part of x″ at the surface.
     pub pull: Num<W>,
-    /// [`super::constants::Constants::damping`].
+    /// The support's damping: d on beams, 0 on wires.
     pub damping: Num<W>,
-    /// [`super::constants::Constants::contact_spring`].
+    /// κc: contact force per x.
     pub spring: Num<W>,
-    /// [`super::constants::Constants::contact_damper`].
+    /// γc: contact force per x′.
     pub damper: Num<W>,
-    /// [`super::constants::Constants::decay`].
+    /// μ: the transient's decay per τ.
     pub decay: Num<W>,
-    /// [`super::constants::Constants::pulsation`].
+    /// ν: the transient's angular frequency per τ.
     pub pulsation: Num<W>,
-    /// Its reciprocal.
+    /// 1/ν, the reciprocal of `pulsation`.
     pub short: Num<W>,
     /// ρ = decay over pulsation.
     pub rho: Num<W>,
-    /// [`super::constants::Constants::forced_sin`].
+    /// sin τ's share in the contact's forced motion.
     pub forced_sin: Num<W>,
-    /// [`super::constants::Constants::forced_cos`].
+    /// cos τ's share in the contact's forced motion.
     pub forced_cos: Num<W>,
-    /// [`super::constants::Constants::forced_mean`].
+    /// Constant share in the contact's forced motion.
     pub forced_mean: Num<W>,
     /// Where a contact without outer force releases.
     pub release: Anchor<W>,
@@ -70,7 +70,7 @@ pub struct HeldCart<W: LaneWidth> {
 /// A phase of the transient: φ, e^(−ρφ) cos φ, e^(−ρφ) sin φ.
 #[derive(Clone, Copy)]
 pub struct Anchor<W: LaneWidth> {
-    /// φ.
+    /// Phase φ of the transient.
     pub phase: Num<W>,
     /// e^(−ρφ) cos φ.
     pub cos: Num<W>,
@@ -85,9 +85,9 @@ pub struct ContactResult<W: LaneWidth> {
     pub good: Mask<W>,
     /// Drive phase when x = 0 is passed outbound.
     pub tau: Num<W>,
-    /// Rate then, negative.
+    /// Rate x′ as x = 0 is passed: negative.
     pub v: Num<W>,
-    /// Largest force.
+    /// Largest force of the contact, in units of m A0 Ω².
     pub force: Num<W>,
     /// Where a cart that recoils is then, and its rate.
     pub cart: [Num<W>; 2],

@@ -14,54 +14,43 @@ pub const MAX_LANES: usize = 16;
 /// One number per lane, in memory.
 pub type LaneNumbers = [f64; MAX_LANES];
 
-/// An instruction set.
+/// An instruction set: its vectors of f64, and what it does with them.
 pub trait LaneWidth: Copy {
-    /// A vector.
+    /// A vector: a number per lane.
     type V: Copy;
     /// A truth per lane.
     type M: Copy;
     /// Lanes of a vector.
     const LANES: usize;
 
-    /// The same number in every lane.
+    /// `x` in every lane.
     fn splat(self, x: f64) -> Self::V;
     /// Reads the `part`-th [`Self::LANES`] of a row.
     fn load(self, row: &LaneNumbers, part: usize) -> Self::V;
     /// Writes the `part`-th [`Self::LANES`] of a row.
     fn store(self, row: &mut LaneNumbers, part: usize, x: Self::V);
-    /// a + b.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
-    /// a − b.
     fn sub(self, a: Self::V, b: Self::V) -> Self::V;
-    /// a b.
     fn mul(self, a: Self::V, b: Self::V) -> Self::V;
-    /// a / b.
     fn div(self, a: Self::V, b: Self::V) -> Self::V;
     /// a b + c, rounded once.
     fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// c − a b, rounded once.
     fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// −a.
     fn neg(self, a: Self::V) -> Self::V;
-    /// |a|.
     fn abs(self, a: Self::V) -> Self::V;
-    /// √a.
     fn sqrt(self, a: Self::V) -> Self::V;
-    /// a < b.
     fn lt(self, a: Self::V, b: Self::V) -> Self::M;
     /// a where `m`, otherwise b.
     fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V;
-    /// Both.
     fn and(self, a: Self::M, b: Self::M) -> Self::M;
-    /// Either.
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
-    /// Neither.
     fn not(self, a: Self::M) -> Self::M;
     /// Whether any lane's truth holds.
     fn any(self, m: Self::M) -> bool;
 }
 
-/// f64 lanes.
+/// Vectors of f64 as wide as one register.
 #[derive(Clone, Copy)]
 pub struct Double<S>(pub S);
 

@@ -32,16 +32,16 @@ pub enum BranchEnd {
 pub struct BranchEdge {
     /// Where, Hz: the last frequency at which the orbit is a stable 1/1.
     pub frequency_hz: f64,
-    /// How.
+    /// How the stable 1/1 ends there.
     pub end: BranchEnd,
 }
 
 /// What has a 1/1 that is followed over frequency: a rig on a surface that stays, or on ground that gives way.
 pub trait Case: Clone + Send + Sync {
-    /// Its orbit.
+    /// Its 1/1 orbit at one drive frequency.
     type Orbit: Clone + Send + Sync;
 
-    /// The rig.
+    /// The rig's parameters.
     fn params(&self) -> &RigParams;
 
     /// The 1/1 near `guess` at `hz`, as it is told.
@@ -81,11 +81,11 @@ pub struct Branch<C: Case = RigParams> {
     pub case: C,
     /// Orbits along it, by rising frequency, the ends included.
     pub orbits: Vec<C::Orbit>,
-    /// Its lower end.
+    /// End at the lowest frequency.
     pub low: BranchEdge,
-    /// Its upper end.
+    /// End at the highest frequency.
     pub high: BranchEdge,
-    /// Orbits found between.
+    /// What was found at the frequencies asked for, each sought once.
     between: FoundOnce<C::Orbit>,
 }
 

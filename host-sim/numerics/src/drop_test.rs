@@ -96,9 +96,9 @@ pub struct DropTest {
     pub noise_n: f64,
     /// First amplitude of the surface's ringing over the impact's peak; 0: none.
     pub ringing_share: f64,
-    /// Its frequency, Hz.
+    /// Frequency of the surface's ringing, Hz.
     pub ringing_hz: f64,
-    /// Its time constant, s.
+    /// Time constant of the surface's ringing, s.
     pub ringing_decay_s: f64,
     /// Bits of the force channel, over a range from −`full_scale_n` to `full_scale_n`; 0: not quantised.
     pub bits: u32,
@@ -120,7 +120,7 @@ pub struct DropTest {
     pub filter_hz: f64,
     /// The displacement channel reads so many percent too much.
     pub displacement_gain_percent: f64,
-    /// Of the noise.
+    /// Seed of the noise and of the zero's steps.
     pub seed: u64,
 }
 
@@ -151,7 +151,7 @@ impl Default for DropTest {
     }
 }
 
-/// One sample.
+/// One sample of the record of a drop test.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DropSample {
     /// Since the release, s.

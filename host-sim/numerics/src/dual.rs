@@ -13,14 +13,14 @@ use shared::Real;
 /// A value with its partial derivatives in `N` directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<const N: usize> {
-    /// The value.
+    /// Value without its derivatives.
     pub re: f64,
-    /// Its derivatives.
+    /// Partial derivatives of the value, one for each direction.
     pub eps: [f64; N],
 }
 
 impl<const N: usize> Dual<N> {
-    /// A constant.
+    /// A constant: derivative 0 in every direction.
     pub const fn constant(re: f64) -> Self {
         Self { re, eps: [0.0; N] }
     }

@@ -36,9 +36,9 @@ pub enum Error {
         RATIOS.end()
     )]
     FrequencyRatio {
-        /// Hz.
+        /// Drive frequency, Hz.
         frequency_hz: f64,
-        /// Ω/ω.
+        /// Drive frequency over the natural frequency, Ω/ω.
         ratio: f64,
     },
     /// A run cannot begin so.
@@ -71,7 +71,7 @@ pub enum Error {
         "the ground holds at every frequency of the range: no force on it reaches {threshold_n} N; widen --ratio or lower --threshold-n"
     )]
     NoProgress {
-        /// Pf, N.
+        /// Threshold force Pf at which the ground gives way, N.
         threshold_n: f64,
     },
     /// This moves the cart as prescribed only; the rig's recoils.
@@ -98,7 +98,7 @@ pub enum Error {
     EndlessContact {
         /// Name of the contact law.
         law: String,
-        /// Approach speed, m/s.
+        /// Speed of the mass into the wall at the onset, m/s.
         speed_m_per_s: f64,
     },
     /// A drop test cannot be made so.
@@ -109,7 +109,7 @@ pub enum Error {
     Record {
         /// Name of the record.
         record: String,
-        /// What is missing.
+        /// What the record lacks.
         what: RecordError,
     },
     /// The search for contact parameters ends outside their range.
@@ -120,7 +120,7 @@ pub enum Error {
     Pick {
         /// Name of the rig.
         rig: String,
-        /// Why.
+        /// Why there is no operating point.
         what: PickError,
     },
 }
@@ -146,7 +146,7 @@ pub enum StartError {
     InsideSurface {
         /// Displacement relative to the cart, m.
         displacement_m: f64,
-        /// How deep, m.
+        /// How deep inside the surface that is, m.
         depth_m: f64,
     },
     /// The drive phase, turns, is not from 0 to below 1.
@@ -187,7 +187,7 @@ pub enum MotionError {
         /// A tick that is short enough, s.
         needed_s: f64,
     },
-    /// The same two, where the section is collected.
+    /// The hammer leaves what the model describes, or cannot be followed, while a section is collected.
     #[error(
         "at {frequency_hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m) or cannot be followed; use a smaller amplitude or start"
     )]
@@ -223,7 +223,7 @@ pub enum MapError {
     /// No cells, or too many.
     #[error("the map has {cells} cells, must have from 1 to {most}; choose other ranges or steps")]
     Cells {
-        /// How many.
+        /// How many cells the map would have.
         cells: usize,
         /// The most there can be.
         most: usize,
@@ -266,11 +266,11 @@ pub enum BasinsError {
         "the window's {side} goes from {from} to {to} (m or m/s); the second must be the larger"
     )]
     Window {
-        /// Which.
+        /// Side of the window that does not rise.
         side: WindowSide,
-        /// From which value, m or m/s.
+        /// Value at which the side begins, m or m/s.
         from: f64,
-        /// To which.
+        /// Value at which the side ends, m or m/s.
         to: f64,
     },
     /// The drive phase at the start, turns, is not from 0 to below 1.
@@ -282,9 +282,9 @@ pub enum BasinsError {
         .columns.saturating_mul(*.rows)
     )]
     Cells {
-        /// Columns.
+        /// Columns of the grid.
         columns: usize,
-        /// Rows.
+        /// Rows of the grid.
         rows: usize,
         /// The most cells there can be.
         most: usize,
@@ -312,9 +312,9 @@ pub enum BasinsError {
 /// A side of the window of starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowSide {
-    /// Displacements.
+    /// The range of displacements relative to the cart, m.
     Displacement,
-    /// Velocities.
+    /// The range of velocities relative to the cart, m/s.
     Velocity,
 }
 
@@ -351,7 +351,7 @@ pub enum ModesError {
         .allowed.1
     )]
     MassRatio {
-        /// The ratio.
+        /// Mass of the beam springs over the hammer's.
         ratio: f64,
         /// The least and the largest.
         allowed: (f64, f64),
@@ -384,7 +384,7 @@ pub enum DropTestError {
     NotClear {
         /// Displacement at the release, m.
         release_m: f64,
-        /// The gap, m.
+        /// Displacement at which the surface begins: the gap, m.
         gap_m: f64,
     },
     /// The hammer never reaches the surface.
@@ -399,7 +399,7 @@ pub enum DropTestError {
         /// Displacement at the release, m.
         release_m: f64,
     },
-    /// Too many samples.
+    /// The record would have too many samples.
     #[error(
         "that is {count:.0} samples, more than {most:.0}; use fewer impacts or a lower sampling rate"
     )]
@@ -430,10 +430,10 @@ pub enum RecordError {
         /// Beginning and end of the record, s.
         whole_s: (f64, f64),
     },
-    /// The contact force.
+    /// The contact force, from which impacts are found.
     #[error("there is no column force_n; a drop test is identified from its force")]
     NoForce,
-    /// Displacement and force.
+    /// Displacement or force: one of them at least is compared.
     #[error("neither displacement_mm nor force_n is there to compare")]
     NothingToCompare,
     /// A cart that moves at one frequency and phase throughout.
@@ -441,7 +441,7 @@ pub enum RecordError {
         "the cart does not move at one frequency and phase throughout; cut out a part where it does with --from-s and --to-s, or give --frequency"
     )]
     UnsteadyCart,
-    /// Any contact.
+    /// Any contact to find the drive frequency from.
     #[error("no contact in the record")]
     NoContacts,
     /// Enough contacts to find the drive frequency from.
@@ -463,9 +463,9 @@ pub enum RecordError {
     /// A contact that stands out of the noise.
     #[error("{}", only_noise(*.largest_n, *.noise_n))]
     OnlyNoise {
-        /// Largest force, N.
+        /// Largest force in the record over its zero, N.
         largest_n: f64,
-        /// Noise, N.
+        /// Standard deviation of the force without contact, at least that of its rounding, N.
         noise_n: f64,
     },
     /// A sample before the first contact.
@@ -517,7 +517,7 @@ pub enum PickError {
         ": no amplitude of the cart gives {wanted_n} N with a stable 1/1; ask for another force, or change the gap"
     )]
     NoAmplitude {
-        /// That force, N.
+        /// Contact force that is wanted, N.
         wanted_n: f64,
     },
     /// No frequency keeps the limits.
@@ -531,7 +531,7 @@ pub enum PickError {
     Limits {
         /// Where a stable 1/1 is, Hz.
         range_hz: (f64, f64),
-        /// The limits.
+        /// Limits that were asked for.
         limits: PickLimits,
         /// What those of them that cannot be kept would have to be at least.
         feasible: Box<PickLimits>,
@@ -548,7 +548,7 @@ impl fmt::Display for WindowSide {
 }
 
 impl MotionError {
-    /// The same in a few words, for a row of a table that has the frequency beside it.
+    /// What went wrong in a few words, for a row of a table that has the frequency beside it.
     pub fn in_few_words(self) -> &'static str {
         match self {
             MotionError::LeftModel { .. } => {

@@ -14,7 +14,7 @@ pub struct PickLimits {
     /// Largest force of the shaker, N: with a cart that recoils the largest of its position loop, the recoil included; with a
     /// prescribed one what moves M + m. It takes the place of the rig's own.
     pub max_shaker_force_n: Option<f64>,
-    /// The same as the rig has it, where its cart recoils.
+    /// Largest force of the rig's own shaker, N, if its cart recoils and it has one; `max_shaker_force_n` replaces it.
     pub rig_shaker_force_n: Option<f64>,
 }
 

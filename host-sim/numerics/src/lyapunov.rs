@@ -80,7 +80,7 @@ pub fn exponents(
     grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)
 }
 
-/// The same for the smoothing method of width `epsilon_m` (m), where no direction jumps.
+/// [`exponents`] for the smoothing method of width `epsilon_m` (m), where no direction jumps.
 ///
 /// # Errors
 /// As [`exponents`] and [`Reference::smoothed`].

@@ -11,7 +11,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// From a seed.
+    /// The sequence that belongs to `seed`.
     pub fn new(seed: u64) -> Self {
         Self {
             random: ChaCha8Rng::seed_from_u64(seed),
@@ -19,7 +19,7 @@ impl Noise {
         }
     }
 
-    /// The next one.
+    /// The next Gaussian number.
     #[inline]
     pub fn sample(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {

@@ -25,7 +25,7 @@ pub fn map<I: Sync, T: Send>(items: &[I], f: impl Fn(&I) -> T + Sync) -> Vec<T> 
     values.filter_map(|value| value.ok().flatten()).collect()
 }
 
-/// The same, until one fails: no further item is begun then.
+/// [`map`] of an `f` that may fail: once it has, no further item is begun.
 ///
 /// # Errors
 /// Of the errors met, that of the first item.
@@ -36,7 +36,7 @@ pub fn try_map<I: Sync, T: Send>(
     until_one_fails(items, f)
 }
 
-/// The same for values that may lack: none if one does.
+/// [`map`] of an `f` that may give nothing: `None` if it gives nothing for any item.
 pub fn map_all<I: Sync, T: Send>(
     items: &[I],
     f: impl Fn(&I) -> Option<T> + Sync,

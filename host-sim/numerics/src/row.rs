@@ -23,7 +23,7 @@ pub enum CartModel {
 }
 
 impl CartModel {
-    /// That of `params`.
+    /// How the cart of `params` is moved.
     pub fn of(params: &RigParams) -> Self {
         if params.cart.recoils() {
             Self::Recoil
@@ -75,14 +75,14 @@ impl NamedRig {
         }
     }
 
-    /// The same rig with its cart moved as prescribed.
+    /// This rig with its cart moved as prescribed.
     #[must_use]
     pub fn prescribed(mut self) -> Self {
         self.params.cart = CartDrive::Prescribed;
         self
     }
 
-    /// The same rig with a cart that recoils under its shaker. `None` if no shaker is known.
+    /// This rig with a cart that recoils under its shaker. `None` if no shaker is known.
     pub fn recoiling(&self) -> Option<Self> {
         let mut rig = self.clone();
         rig.params.cart = CartDrive::Loop(self.shaker?);
@@ -118,7 +118,7 @@ pub struct RunRow {
     pub cart: CartModel,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
     pub impacts: u16,
@@ -131,7 +131,7 @@ pub struct RunRow {
     pub unsettled: bool,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
-    /// The same, N.
+    /// Largest contact force in the recorded cycles, N.
     pub force_n: f64,
     /// Approach speed of the strongest contact, m/s.
     pub approach_speed_m_per_s: Option<f64>,
@@ -184,7 +184,7 @@ impl Serialize for RunRow {
 /// What became of a run. As text "p/n", "none", "aperiodic", "chatter", "unsettled" or "failed".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// The regime recorded.
+    /// The regime over the recorded cycles of a run that settled.
     Regime(Regime),
     /// The motion still changes.
     Unsettled,

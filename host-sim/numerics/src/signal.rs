@@ -8,13 +8,13 @@ pub const FEWEST_SAMPLES: usize = 16;
 /// A recording: as many values in each column as there are times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {
-    /// The file's name.
+    /// What errors and titles call the record: mostly its file.
     pub name: String,
-    /// Times, rising, s.
+    /// Times of the samples, rising, s.
     pub time_s: Vec<f64>,
-    /// Contact force, N.
+    /// Contact force at each time, N; none if it was not recorded.
     pub force_n: Option<Vec<f64>>,
-    /// Hammer displacement, mm.
+    /// Hammer displacement at each time, fixed frame or relative to the cart, mm; none if not recorded.
     pub displacement_mm: Option<Vec<f64>>,
     /// Cart displacement, fixed frame, mm.
     pub cart_mm: Option<Vec<f64>>,

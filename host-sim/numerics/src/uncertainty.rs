@@ -45,27 +45,27 @@ pub struct Uncertainty {
 /// What is said of a rig's uncertainty, for example in its file; `None` where nothing is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stated {
-    /// See [`Uncertainty::natural_frequency_percent`].
+    /// Natural frequency, % either way (wires: through their length).
     pub natural_frequency_percent: Option<f64>,
-    /// See [`Uncertainty::amplitude_percent`].
+    /// Cart amplitude, % either way.
     pub amplitude_percent: Option<f64>,
-    /// See [`Uncertainty::contact_stiffness_percent`].
+    /// Contact stiffness, % either way.
     pub contact_stiffness_percent: Option<f64>,
-    /// See [`Uncertainty::contact_stiffness_factor`].
+    /// Contact stiffness as a factor: up to so many times as large, or as small; in place of the %.
     pub contact_stiffness_factor: Option<f64>,
-    /// See [`Uncertainty::contact_damping_percent`].
+    /// Contact damping, % either way, whatever the stiffness.
     pub contact_damping_percent: Option<f64>,
-    /// See [`Uncertainty::contact_damping_ratio_percent`].
+    /// The contact's damping ratio, % either way; in place of the damping.
     pub contact_damping_ratio_percent: Option<f64>,
-    /// See [`Uncertainty::gap_mm`].
+    /// Gap, mm either way.
     pub gap_mm: Option<f64>,
-    /// See [`Uncertainty::mass_percent`].
+    /// Hammer mass at the same natural frequency, % either way.
     pub mass_percent: Option<f64>,
-    /// See [`Uncertainty::cart_mass_percent`].
+    /// Cart mass at the same loop frequency, % either way (a cart that recoils).
     pub cart_mass_percent: Option<f64>,
-    /// See [`Uncertainty::shaker_loop_percent`].
+    /// Natural frequency of the shaker's position loop, % either way (a cart that recoils).
     pub shaker_loop_percent: Option<f64>,
-    /// See [`Uncertainty::shaker_damping_percent`].
+    /// Damping ratio of the shaker's position loop, % either way (a cart that recoils).
     pub shaker_damping_percent: Option<f64>,
 }
 

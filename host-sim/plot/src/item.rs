@@ -13,14 +13,14 @@ pub enum Item {
         color: Color,
         /// Name in the legend.
         label: String,
-        /// Thickness, px.
+        /// Thickness of the line, px.
         width: f64,
         /// Solid, dashed or dotted.
         stroke: Stroke,
     },
     /// Separate points; those not finite are left out.
     Points {
-        /// The points.
+        /// The points; a later one covers an earlier one.
         points: Vec<Point>,
         /// Colour of the marks.
         color: Color,

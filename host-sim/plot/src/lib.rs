@@ -108,7 +108,7 @@ pub enum PictureError {
 /// A whole picture: title, explanation and a grid of panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Bold first line.
+    /// Title of the picture: its first line, in bold.
     pub title: String,
     /// Smaller text under the title (rig, seed, method); wrapped; may be empty.
     pub subtitle: String,
@@ -150,7 +150,7 @@ impl Figure {
         self
     }
 
-    /// Adds a panel.
+    /// Adds a panel after those before it, row by row.
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self

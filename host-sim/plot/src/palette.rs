@@ -74,7 +74,7 @@ pub enum Mark {
 /// How one kind of thing looks wherever it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Style {
-    /// Colour.
+    /// Colour of its points and lines.
     pub color: Color,
     /// Shape of its points.
     pub mark: Mark,

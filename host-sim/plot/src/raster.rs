@@ -11,7 +11,7 @@ use super::{Color, PictureError};
 /// The scale of a raster of numbers: shown as a bar at the right of the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
-    /// Quantity and unit.
+    /// The quantity and its unit, written beside the bar.
     pub label: String,
     /// Value of the darkest colour; what is below looks like it.
     pub from: f64,

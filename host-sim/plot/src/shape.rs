@@ -34,12 +34,12 @@ pub(super) enum DrawnShape {
         width: u32,
         ink: Ink,
     },
-    /// Filled.
+    /// A polygon filled with its ink.
     Polygon {
         corners: Vec<Spot>,
         ink: Ink,
     },
-    /// Filled.
+    /// An upright rectangle filled with its ink, by two opposite corners.
     Rectangle {
         corners: [Spot; 2],
         ink: Ink,
@@ -63,7 +63,7 @@ pub(super) enum DrawnShape {
 pub(super) struct Text {
     pub letters: String,
     pub at: Spot,
-    /// Font size.
+    /// Font size in canvas units.
     pub size: f64,
     pub bold: bool,
     pub ink: Ink,

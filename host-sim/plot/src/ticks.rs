@@ -52,7 +52,7 @@ impl Ticks {
         }
     }
 
-    /// The same for a logarithmic axis, whose positions are decimal logarithms: powers of ten, and over less than
+    /// Values inside `lo..=hi`, which are decimal logarithms, for a logarithmic axis: powers of ten, and over less than
     /// two decades their double and fivefold too.
     pub fn logarithmic(lo: f64, hi: f64, most: usize) -> Self {
         let most = most.max(1);

@@ -18,16 +18,16 @@ use files::UserError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChapterVerdict {
-    /// It is.
+    /// What is computed here is what the chapter says.
     Same,
-    /// It is not.
+    /// What is computed here contradicts the chapter.
     Differs,
     /// Nothing here can tell: it needs the chapter's measurements, or the chapter names no figure.
     CannotBeTold,
 }
 
 impl ChapterVerdict {
-    /// In words.
+    /// The verdict as tables and pages show it.
     pub fn words(self) -> &'static str {
         match self {
             Self::Same => "same",
@@ -48,7 +48,7 @@ pub struct Statement {
     pub number: usize,
     /// Where it stands: a section, with figure, table or equation.
     pub section: String,
-    /// Its words, shortened.
+    /// What the chapter says, shortened.
     pub words: String,
     /// What is computed here.
     pub ours: String,
@@ -76,7 +76,7 @@ impl Statement {
         Self::new(section, words, ours.into(), ChapterVerdict::CannotBeTold)
     }
 
-    /// The same, shown by these figures.
+    /// Names the figures that show the statement, separated by `, `.
     fn shown_by(mut self, figures: &str) -> Self {
         figures.clone_into(&mut self.figures);
         self

@@ -63,7 +63,7 @@ impl CoverageArgs {
         Ok(all.into_iter().filter(chosen).collect())
     }
 
-    /// Prints the table.
+    /// Simulates and identifies the drop tests, and answers with a row for each parameter of each case.
     pub fn run(&self, misfit: Option<Misfit>, output: &OutputArgs) -> Result<(), UserError> {
         if self.tests == 0 || self.tests > MOST {
             return Err(UserError::new(format!(

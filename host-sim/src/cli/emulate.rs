@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     Ok(i32::from(!passed(&verdict)))
 }
 
-/// Until interrupted.
+/// Offers the emulated board at a pseudo-terminal, at `--speed` times real time, until interrupted.
 #[cfg(unix)]
 fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     if !(0.01..=1e6).contains(&args.speed) {

@@ -48,7 +48,7 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
-/// The whole answer.
+/// The answer as JSON.
 #[derive(Serialize)]
 struct Answer<'a> {
     modes: &'a [ModeAnswer],

@@ -36,7 +36,7 @@ fn words(line: &str) -> Option<Vec<String>> {
     Some(line.split_whitespace().map(value).collect())
 }
 
-/// The same of a line of code, and of every piece of code in a row of a table.
+/// The words of the command in a line of code, or of every piece of code in a row of a table; see [`words`].
 fn commands(line: &str) -> Vec<Vec<String>> {
     if !line.starts_with('|') {
         return words(line).into_iter().collect();

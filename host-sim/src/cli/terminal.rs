@@ -51,7 +51,7 @@ pub fn print(text: &str) {
     print_bytes(text.as_bytes());
 }
 
-/// As [`print`].
+/// Writes bytes on standard output, with errors as [`print`] has them.
 pub fn print_bytes(bytes: &[u8]) {
     is_read(bytes);
 }

@@ -15,7 +15,7 @@ use numerics::NamedRig;
 
 /// Rig time of a trial, s: from 20 s, in which every trial should hold, to an hour.
 const DURATION_S: (f64, f64) = (20.0, 3600.0);
-/// Most trials.
+/// Most trials of one command.
 const MOST: u32 = 100_000;
 
 /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes

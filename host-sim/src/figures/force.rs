@@ -172,7 +172,7 @@ fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
     }
 }
 
-/// The strongest 1/1.
+/// The run with the largest force of those in 1/1; none if none is.
 pub(crate) fn strongest(rows: &[RunRow]) -> Option<&RunRow> {
     let of = rows.iter().filter(|r| r.regime.is(1, 1));
     of.max_by(|a, b| a.force_n.total_cmp(&b.force_n))

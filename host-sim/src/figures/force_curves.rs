@@ -157,7 +157,7 @@ fn carried(
     Ok(found)
 }
 
-/// The gap, mm.
+/// Clearance at rest of a rig, mm.
 pub fn gap_mm(params: &RigParams) -> f64 {
     tidy(params.gap_m * 1e3)
 }

@@ -23,7 +23,7 @@ use numerics::NamedRig;
 pub struct Page {
     /// The chapter's number, "3.27"; of what goes beyond it, a short name.
     pub figure: &'static str,
-    /// What is shown.
+    /// What the figure shows, its heading.
     pub title: String,
     /// What the picture does not say, of what the statements of the chapter do not judge; empty if nothing.
     pub note: String,
@@ -48,7 +48,7 @@ pub type PageMaker = fn(Effort, &ProgressLine) -> Result<Vec<Page>, UserError>;
 /// What a part makes.
 #[derive(Clone, Copy, Debug)]
 pub enum Make {
-    /// Pages.
+    /// Pages, by this function.
     Pages(PageMaker),
     /// What the chapter says, statement by statement, with verdicts.
     Statements,
@@ -58,14 +58,14 @@ pub enum Make {
 /// whole part, and an interrupted part begins again.
 #[derive(Clone, Copy, Debug)]
 pub struct FiguresPart {
-    /// Its name.
+    /// Name of the part, under which its record is kept.
     pub name: &'static str,
     /// The figures it makes.
     pub figures: &'static [&'static str],
     /// How long it takes with [`Effort::Full`], s: measured on two busy cores, so that only the ratios count. The time
     /// left is estimated from them.
     pub seconds: f64,
-    /// Makes them.
+    /// What it makes, and how.
     pub make: Make,
 }
 

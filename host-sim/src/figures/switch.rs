@@ -96,7 +96,7 @@ fn one_period(hammer: &mut dyn Machine, band: (f64, f64), periods: u32, samples:
     }
 }
 
-/// δ, m.
+/// Penetration δ of the stop, m; negative while the mass is clear of it.
 fn depth_m(sample: &RecordedSample) -> f64 {
     sample.relative_displacement_mm * 1e-3 - STOP.gap_m
 }

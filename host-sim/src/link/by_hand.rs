@@ -24,7 +24,7 @@ pub const START: Duration = Duration::from_secs(120);
 /// From the command to stop to idle.
 const STOP: Duration = Duration::from_secs(30);
 
-/// The same once the user has interrupted: whoever does so waits.
+/// From the command to stop to idle once the user has interrupted, who waits for the program to end.
 const STOP_INTERRUPTED: Duration = Duration::from_secs(5);
 
 /// What a computer with more to do may add to a wait.
@@ -38,7 +38,7 @@ const LONGEST_S: f64 = 1e6;
 pub struct CurvePlan {
     /// Drive frequencies in the order visited, Hz.
     pub frequencies_hz: Vec<f64>,
-    /// Cart amplitude, m.
+    /// Amplitude of the cart at every frequency, m.
     pub amplitude_m: f64,
     /// Time to settle once a frequency is reached, s.
     pub settle_s: f64,

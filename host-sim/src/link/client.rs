@@ -63,9 +63,9 @@ pub fn open(name: &str, baud: Option<u32>) -> Result<Opened, UserError> {
 /// A port at which a board answers.
 #[derive(Debug)]
 pub struct Opened {
-    /// The conversation.
+    /// The conversation with the board over that port.
     pub client: Client<Box<dyn SerialPort>>,
-    /// Who answers.
+    /// Versions and names that the board answered with.
     pub hello: Hello,
     /// The rate, bits per second.
     pub baud: u32,
@@ -150,7 +150,7 @@ impl<P: Read + Write> Client<P> {
         }
     }
 
-    /// The same, with packets numbered from `sequence` on: so that two conversations are the same, byte by byte.
+    /// Numbers packets from `sequence` on, so that two conversations can be the same, byte by byte.
     #[must_use]
     pub fn numbered_from(mut self, sequence: u16) -> Self {
         self.caller = Caller::new(sequence);
@@ -167,7 +167,7 @@ impl<P: Read + Write> Client<P> {
         (self.port, self.caller.sequence())
     }
 
-    /// The port's name.
+    /// Name of the port, as it was opened.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -9,9 +9,9 @@ use files::words::digits::significant;
 /// Stiffness and damping, with their half-widths as `[uncertainty]` has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnContact {
-    /// ki, N/m.
+    /// Stiffness ki, N/m.
     pub stiffness: f64,
-    /// ci, N s/m.
+    /// Damping ci, N·s/m.
     pub damping: f64,
     /// Key and value of the half-widths of stiffness and damping.
     pub widths: [(&'static str, f64); 2],

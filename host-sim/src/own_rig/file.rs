@@ -20,13 +20,13 @@ struct Entry {
 }
 
 impl RigFile {
-    /// A word.
+    /// Adds a key whose value is a word, with the source of it.
     pub fn word(&mut self, key: &'static str, word: &str, source: &str) {
         let value = format!("\"{word}\"");
         self.push(key, value, source);
     }
 
-    /// A number.
+    /// Adds a key whose value is a number, rounded to six digits, with the source of it.
     pub fn number(&mut self, key: &'static str, value: f64, source: &str) {
         self.push(key, digits(value), source);
     }

@@ -33,7 +33,7 @@ pub const STROKE: ReadingQuantity = ReadingQuantity {
     range: (2e-6, 0.2),
     words: "0.002 mm to 200 mm",
 };
-/// Clearance at rest.
+/// Clearance at rest; negative: the hammer is pressed against the surface.
 pub const GAP: ReadingQuantity = ReadingQuantity {
     units: LENGTHS,
     range: (-0.1, 0.1),
@@ -51,13 +51,13 @@ pub const CONTACT_TIME: ReadingQuantity = ReadingQuantity {
     range: (1e-6, 1.0),
     words: "0.001 ms to 1000 ms",
 };
-/// A frequency.
+/// A natural frequency: of the hammer, or of the shaker's position loop.
 pub const FREQUENCY: ReadingQuantity = ReadingQuantity {
     units: &[("Hz", 1.0)],
     range: (0.01, 1e4),
     words: "0.01 Hz to 10000 Hz",
 };
-/// A force.
+/// Largest force of the shaker.
 pub const FORCE: ReadingQuantity = ReadingQuantity {
     units: &[("N", 1.0), ("kN", 1e3)],
     range: (1e-3, 1e6),
@@ -160,7 +160,7 @@ impl ReadingQuantity {
         self.read_in("", text)
     }
 
-    /// The same; numbers without a unit are in `unit`.
+    /// Reads as [`Self::read`] does, with numbers without a unit taken in `unit`.
     ///
     /// # Errors
     /// As [`Self::read`].

@@ -22,7 +22,7 @@ const STRUCTURE_FACTOR: f64 = 6.0;
 pub struct Surface {
     name: &'static str,
     what: &'static str,
-    /// Young's modulus, Pa.
+    /// Young's modulus, Pa: smallest and largest of what is sold under the name.
     modulus: [f64; 2],
     poisson: f64,
     /// Restitution at some 0.1 m/s.
@@ -106,7 +106,7 @@ impl Surface {
     }
 }
 
-/// One of [`SURFACES`].
+/// A surface of the list [`SURFACES`].
 pub type NamedSurface = &'static Surface;
 
 /// [`NamedSurface`] as an option and an answer have it.

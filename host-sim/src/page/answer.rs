@@ -23,11 +23,10 @@ const ALWAYS: &str = "X-Frame-Options: DENY\r\n\
 /// An answer of HTTP.
 #[derive(Clone, Copy, Debug)]
 pub struct HttpAnswer<'a> {
-    /// The status.
+    /// Status of HTTP, such as 404.
     pub status: u16,
     /// The type of the body.
     pub kind: &'static str,
-    /// The body.
     pub body: &'a [u8],
 }
 

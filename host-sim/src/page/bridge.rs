@@ -42,7 +42,7 @@ impl Door {
         Some(mailbox)
     }
 
-    /// And out.
+    /// A page has gone, and another may come in.
     pub(super) fn leave(&self) {
         self.present.fetch_sub(1, Ordering::AcqRel);
     }
@@ -57,7 +57,7 @@ impl Door {
 /// A port that carries the protocol.
 #[derive(Debug)]
 pub struct Port {
-    /// Its name.
+    /// Name of the port, at which the board is looked for again if it is lost.
     pub name: String,
     /// The conversation that found the board.
     pub opened: Opened,

@@ -6,7 +6,7 @@ use super::secret::Secret;
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DoorWanted {
-    /// The page.
+    /// The page as HTML, at the address that was printed.
     Page,
     /// Which board there is.
     Board,
@@ -39,7 +39,7 @@ impl Doorkeeper {
         Self { secret, hosts }
     }
 
-    /// The whole address.
+    /// The address to open in a browser, with the secret.
     pub fn address(&self) -> String {
         let [host, ..] = &self.hosts;
         format!("http://{host}/{}/", self.secret.text())

@@ -33,7 +33,7 @@ impl Guest {
         }
     }
 
-    /// Its number.
+    /// Number of the page, from 1 in the order in which pages came.
     pub fn page(&self) -> u32 {
         self.mailbox.page
     }

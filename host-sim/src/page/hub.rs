@@ -48,7 +48,7 @@ struct Stop {
     sent: Instant,
 }
 
-/// Pages and board.
+/// One board shared by many pages, of which one at most commands.
 #[derive(Debug)]
 pub struct Hub {
     board: String,

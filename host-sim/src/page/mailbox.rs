@@ -41,32 +41,32 @@ pub enum ToPage {
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Notice<'a> {
-    /// The first one.
+    /// The first notice that a page gets.
     Welcome {
         /// The number of the page.
         page: u32,
-        /// The board's port.
+        /// Name of the board's port.
         board: &'a str,
     },
-    /// Who commands.
+    /// Who has the seat, that is, commands the board.
     Seat {
         /// The page that commands.
         commander: Option<u32>,
-        /// Pages in all.
+        /// How many pages are connected.
         pages: usize,
-        /// Why it changed.
+        /// Why the seat changed, a line for a person; may be empty.
         why: &'a str,
     },
     /// Whether the board is heard.
     Board {
-        /// It is.
+        /// Whether the board answers.
         up: bool,
-        /// What happened.
+        /// Why that changed, a line for a person; may be empty.
         why: &'a str,
     },
     /// Streamed messages that this page has not taken in time and that are lost.
     Lost {
-        /// How many.
+        /// How many messages were lost since the last such notice.
         frames: u64,
     },
 }
@@ -208,7 +208,7 @@ impl Mailbox {
         self.gone.store(true, Ordering::Release);
     }
 
-    /// Whether it has.
+    /// Whether the page's connection has ended.
     pub fn is_gone(&self) -> bool {
         self.gone.load(Ordering::Acquire)
     }

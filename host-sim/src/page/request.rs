@@ -4,10 +4,10 @@ use std::io::{ErrorKind, Read};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Longest head, bytes.
+/// Longest head of a request that is read, bytes.
 pub const MAX_HEAD: usize = 8 * 1024;
 
-/// Most header lines.
+/// Most header lines of a request.
 const MAX_HEADERS: usize = 64;
 
 /// Longest time from the connection to the end of the head.
@@ -27,9 +27,9 @@ pub enum Bad {
 /// What the server looks at.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HttpRequest {
-    /// `GET`.
+    /// The method as sent; only `GET` is let in.
     pub method: String,
-    /// Path and query.
+    /// Path and query, as sent.
     pub target: String,
     /// Names in lower case, and values.
     headers: Vec<(String, String)>,

@@ -12,7 +12,7 @@ const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 /// Frames that wait for the board's port at most; then a page's requests are dropped, and it asks again.
 const MAX_OUT: usize = 64;
 
-/// Who asked.
+/// Who asked the board, and so gets its answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asker {
     /// A page, under its own number for the request.
@@ -40,7 +40,7 @@ pub struct Requests {
 }
 
 impl Requests {
-    /// Numbered after `sequence`.
+    /// No request yet; the first is numbered after `sequence`.
     pub fn after(sequence: u16) -> Self {
         Self {
             sequence,
@@ -48,7 +48,7 @@ impl Requests {
         }
     }
 
-    /// Asks the board.
+    /// Queues a message for the board, and remembers who asked it.
     pub fn ask(&mut self, message: ToBoard, asker: Asker, now: Instant) {
         self.sequence = self.sequence.wrapping_add(1);
         let packet = Packet {

@@ -14,7 +14,7 @@ pub enum PageAct {
     TakeOver,
     /// It leaves the seat.
     Leave,
-    /// It is there.
+    /// It says that it is still there: a page in command that is silent for a second loses the seat.
     Here,
 }
 

@@ -37,7 +37,7 @@ impl Secret {
         self.0.as_bytes().ct_eq(given.as_bytes()).into()
     }
 
-    /// Its digits.
+    /// The secret as hexadecimal digits, as the address has it.
     pub fn text(&self) -> &str {
         &self.0
     }

@@ -29,10 +29,10 @@ const LAST_WAIT: Duration = Duration::from_millis(300);
 /// What a browser may do with a refusal.
 const NOTHING: &str = "default-src 'none'; frame-ancestors 'none'";
 
-/// What is served.
+/// What a server has to offer: the page, and a board behind it.
 #[derive(Debug)]
 pub struct Site {
-    /// The page.
+    /// The page as HTML.
     pub page: Cow<'static, [u8]>,
     /// A board, if there is one.
     pub board: Option<BoardConnection>,
@@ -41,7 +41,7 @@ pub struct Site {
 /// A board and the way to it.
 #[derive(Clone, Debug)]
 pub struct BoardConnection {
-    /// Its port.
+    /// Name of the board's port.
     pub name: String,
     /// Where pages come in.
     pub door: Arc<Door>,

@@ -5,7 +5,7 @@ use numerics::CartModel;
 use numerics::basins::{AttractorKind, Basins, Fate, ImpactAfter};
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
-/// The chapter's colours.
+/// Colours of starts with and without impact, as the chapter has them.
 const IMPACT: Color = Color::BLUE;
 const NO_IMPACT: Color = Color::RED;
 /// Colour of the attractor without contact.

@@ -18,9 +18,9 @@ pub enum VerticalQuantity {
 /// The quantity on the horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Abscissa {
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     Ratio,
-    /// Hz.
+    /// Drive frequency, Hz.
     Frequency,
 }
 
@@ -36,9 +36,9 @@ impl Abscissa {
 /// How a panel is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// Vertical axis.
+    /// The quantity on the vertical axis.
     pub quantity: VerticalQuantity,
-    /// Horizontal axis.
+    /// The quantity on the horizontal axis.
     pub abscissa: Abscissa,
     /// The part of the horizontal axis shown, in its unit; none: all.
     pub range: Option<(f64, f64)>,

@@ -3,7 +3,7 @@
 use numerics::compare::{ComparedSample, Comparison, MeasuredFrame, SimulatedInstant};
 use plot::{Axis, Color, Figure, Item, Panel};
 
-/// Drive periods shown.
+/// Drive periods shown of the time histories.
 const PERIODS: f64 = 6.0;
 
 /// Time history, force, phase plane with section.

@@ -27,9 +27,9 @@ const NAMED_MARKS: usize = 8;
 /// The curves of a run: an [`RunObserver`] that keeps a few thousand points.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// EventKind the controller did, and since when, s.
+    /// When the controller came into a state, s, and which.
     states: Vec<(f64, State)>,
-    /// Drive frequency, Hz.
+    /// Drive frequency while the drive is on, Hz.
     frequency: Vec<Point>,
     /// The forecast's target, Hz.
     target: Vec<Point>,
@@ -171,9 +171,9 @@ impl RunObserver for Trace {
 /// Title, subtitle and reference lines of the picture.
 #[derive(Clone, Debug, Default)]
 pub struct About {
-    /// Title.
+    /// Title of the picture, its bold first line.
     pub title: String,
-    /// Subtitle.
+    /// Smaller text under the title; may be empty.
     pub subtitle: String,
     /// The hammer's weight, N: forces are shown as multiples of it.
     pub weight_n: f64,

@@ -123,7 +123,7 @@ pub fn differences(a: &Map, b: &Map, other: &str) -> Figure {
     figure(a, &format!("where {other} differs")).panel(axes().item(Item::Raster(raster)))
 }
 
-/// Rig and cart.
+/// Name of the rig and how its cart is moved, for titles.
 fn named(map: &Map) -> String {
     let cart = CartModel::of(&map.rig.params).words();
     format!("{}, {cart}", map.rig.name)

@@ -3,7 +3,7 @@
 use crate::words::over::{OverRow, of_rig, summary};
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
-/// What is drawn.
+/// What the picture of an operating point over a parameter shows.
 pub struct OverPicture<'a> {
     /// The rows, in the order of their values.
     pub rows: &'a [OverRow],

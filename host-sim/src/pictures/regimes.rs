@@ -95,7 +95,7 @@ pub fn regime_fill(regime: &str) -> Color {
     }
 }
 
-/// The same points as rings that leave room for a mark inside: those of a second sweep.
+/// Points of a regime as rings that leave room for a mark inside: those of a second sweep.
 pub fn regime_rings(regime: &str, points: Vec<Point>) -> Item {
     Item::Points {
         points,

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The figures of a comparison with its notes in words, as JSON has them.
 #[derive(Serialize)]
 pub struct WordedComparison<'a> {
-    /// The figures.
+    /// The figures of the comparison; in JSON they stand beside `notes`.
     #[serde(flatten)]
     pub errors: &'a ComparisonErrors,
     /// What to keep in mind.

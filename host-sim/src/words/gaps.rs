@@ -14,11 +14,11 @@ pub struct GapRow {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// The same over A0.
+    /// Clearance at rest over the drive amplitude A0.
     pub gap_over_amplitude: f64,
     /// The frequency to run at, Hz.
     pub operating_frequency_hz: Option<f64>,
-    /// The same over the natural frequency.
+    /// The frequency to run at over the natural frequency, Ω/ω.
     pub frequency_ratio: Option<f64>,
     /// Contact force over m g there.
     pub force_ratio: Option<f64>,
@@ -36,7 +36,7 @@ pub struct GapRow {
     pub jumps: Option<bool>,
     /// The lowest frequency at which it does, Hz.
     pub jump_low_hz: Option<f64>,
-    /// The highest, Hz.
+    /// The highest frequency at which the hammer jumps, Hz.
     pub jump_high_hz: Option<f64>,
     /// The regime a run from rest settles on at the operating frequency.
     pub from_rest: Option<String>,
@@ -44,7 +44,7 @@ pub struct GapRow {
     pub basin_share: Option<f64>,
     /// Lower end of its 95 % interval.
     pub basin_share_low: Option<f64>,
-    /// Upper end.
+    /// Upper end of the 95 % interval of `basin_share`.
     pub basin_share_high: Option<f64>,
     /// Share of the starts that end without impact.
     pub silent_share: Option<f64>,
@@ -94,13 +94,13 @@ pub struct GapTable {
     pub gaps: Vec<GapRow>,
     /// The gap advised, mm; none if no gap has a pick.
     pub advised_gap_mm: Option<f64>,
-    /// Why, with figures.
+    /// Why that gap is advised, or none is: a sentence with figures.
     pub why: String,
     /// Random starts per gap.
     pub starts: u32,
-    /// Their displacements, mm; the upper end is the gap.
+    /// Lowest displacement of those starts, mm; the highest is the gap.
     pub from_displacement_mm: f64,
-    /// Their velocities, m/s.
+    /// Lowest and highest velocity of those starts, m/s.
     pub velocity_m_per_s: [f64; 2],
 }
 

@@ -22,11 +22,11 @@ pub struct OverRow {
     pub gap_mm: f64,
     /// The frequency to run at, Hz.
     pub operating_frequency_hz: Option<f64>,
-    /// The same over the natural frequency.
+    /// The frequency to run at over the natural frequency, Ω/ω.
     pub frequency_ratio: Option<f64>,
     /// Contact force over m g there.
     pub force_ratio: Option<f64>,
-    /// The same, N.
+    /// Contact force there, N.
     pub force_n: Option<f64>,
     /// The least over the uncertainty.
     pub force_ratio_worst: Option<f64>,

@@ -16,7 +16,7 @@ pub(super) struct BasinTracker {
 }
 
 impl BasinTracker {
-    /// Nothing seen yet.
+    /// Before the first drive period: the basin is not known.
     pub const NEW: Self = Self {
         basin: Basin::Unknown,
         striking: 0,

@@ -252,7 +252,7 @@ impl Controller {
         self.rig.rig()
     }
 
-    /// The online identification.
+    /// The online identification: what contacts and flights have shown of the rig so far.
     pub fn identified(&self) -> &Identification {
         &self.rig.identification
     }

@@ -12,11 +12,11 @@ pub const EVENT_CAPACITY: usize = 16;
 /// The kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// The state changed.
+    /// The controller went from one state to another.
     State {
-        /// Before.
+        /// State before the change.
         from: State,
-        /// After.
+        /// State after the change.
         to: State,
     },
     /// A fault tripped, or was there from the start.
@@ -25,23 +25,23 @@ pub enum EventKind {
     Cleared,
     /// A forecast was delivered: its target, Hz and N; 0 without a stable 1/1 in the range.
     Forecast {
-        /// Target, Hz.
+        /// Frequency of the forecast's target, Hz; 0 without one.
         target_hz: f32,
-        /// Force there, N.
+        /// Peak contact force forecast at the target, N; 0 without one.
         force_n: f32,
     },
     /// The start was given up: there is no stable 1/1 within the limits.
     NoTarget,
     /// The identified rig differs from the believed one: a new forecast is requested.
     Identified {
-        /// Natural frequency, Hz.
+        /// Natural frequency of the identified rig, Hz.
         natural_hz: f32,
-        /// Gap, m.
+        /// Gap of the identified rig, m.
         gap_m: f32,
     },
     /// The search moved on to a new best frequency, Hz.
     Best {
-        /// Frequency, Hz.
+        /// The new best drive frequency, Hz.
         frequency_hz: f32,
         /// Mean impulse per contact there, N·s.
         impulse_n_s: f32,
@@ -50,7 +50,7 @@ pub enum EventKind {
     RegimeLost,
     /// The period doubled: the search stays clear of this frequency.
     Doubling {
-        /// The frequency, Hz.
+        /// Drive frequency at which the doubling was seen, Hz.
         frequency_hz: f32,
     },
     /// The hammer has come to another basin of attraction.
@@ -59,7 +59,7 @@ pub enum EventKind {
     Limits(ActiveLimits),
     /// A small motion has proven the sensors.
     Proven {
-        /// Cart over command.
+        /// Motion of the cart, as its sensor shows it, over the motion commanded.
         cart: f32,
         /// Hammer over cart; none if the limits allow no motion slow enough to prove it.
         hammer: Option<f32>,
@@ -71,7 +71,7 @@ pub enum EventKind {
 pub struct Event {
     /// Control ticks since the start (wraps).
     pub tick: u32,
-    /// What happened.
+    /// What happened, with its numbers.
     pub kind: EventKind,
 }
 
@@ -83,14 +83,14 @@ pub struct Events {
 }
 
 impl Events {
-    /// Adds an event.
+    /// Adds an event at control tick `tick`; if the queue is full, it is dropped and counted.
     pub fn push(&mut self, tick: u32, kind: EventKind) {
         if self.waiting.push_back(Event { tick, kind }).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }
 
-    /// The oldest event.
+    /// Takes the oldest event out; `None` if none waits.
     pub fn take(&mut self) -> Option<Event> {
         self.waiting.pop_front()
     }

@@ -19,7 +19,7 @@ pub struct ForecastCache {
     wanted: Option<ForecastRequest>,
     /// The request that is waited for.
     awaited: Option<u32>,
-    /// Where to run.
+    /// The last forecast's frequency to run at; none without a stable 1/1, or before the first forecast.
     target: Option<Target>,
     /// Whether a forecast has come at all.
     has_come: bool,
@@ -45,7 +45,7 @@ impl ForecastCache {
         });
     }
 
-    /// The request, once.
+    /// Gives out the request that nobody has taken yet, once; `None` if there is none.
     pub fn take_request(&mut self) -> Option<ForecastRequest> {
         self.wanted.take()
     }

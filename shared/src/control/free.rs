@@ -13,14 +13,14 @@ const MARGIN: f32 = 1.2;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FreeSwing {
     natural_hz: f32,
-    /// A0, m.
+    /// Cart amplitude A0 of the rig, m.
     amplitude_m: f32,
     /// The gap with the margin, m.
     gap_m: f32,
 }
 
 impl FreeSwing {
-    /// Of `rig`.
+    /// The free swing of `rig`, with the margin on its gap.
     pub fn new(rig: &RigParams) -> Self {
         Self {
             natural_hz: rig.natural_frequency_hz() as f32,

@@ -26,9 +26,8 @@ pub const OVER_TRAVEL_TICKS: u8 = 4;
 /// A condition that trips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trip {
-    /// The fault.
     pub fault: Fault,
-    /// Which sensor.
+    /// The sensor that the fault is about; [`Origin::System`] if it is about none.
     pub origin: Origin,
     /// The value that tripped it.
     pub value: f32,

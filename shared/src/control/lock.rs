@@ -31,7 +31,7 @@ const REACH: f32 = 2.0 / 360.0;
 const TRIM: f32 = 5.0 / 360.0;
 /// By how much the phase retreats when 1/1 was lost or doubled, turns.
 const RETREAT: f32 = 5.0 / 360.0;
-/// Farthest retreat, turns.
+/// Farthest that all retreats together may move the phase, turns.
 const FARTHEST: f32 = 20.0 / 360.0;
 /// What comes back of a retreat per drive period with one contact: half of it in 70 periods.
 const RETURN: f32 = 0.01;

@@ -17,7 +17,7 @@ pub struct Exchanged {
 /// the desktop and under QEMU.
 #[derive(Clone, Debug)]
 pub struct Lockstep {
-    /// The controller.
+    /// The controller: takes commands, gives status and events.
     pub controller: Controller,
     forecaster: Forecaster,
     waiting: bool,

@@ -72,7 +72,7 @@ pub enum State {
     Ramp = 2,
     /// Looking for 1/1, then going to the phase of the forecast's target.
     Seek = 3,
-    /// Holding that phase.
+    /// Holding the phase wanted: that of the forecast's target, as climbs have corrected it.
     Hold = 4,
     /// Amplitude falling, then the drive goes off.
     Stop = 5,
@@ -145,7 +145,7 @@ pub enum Refused {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basin {
-    /// Not known yet.
+    /// Not known yet: too few drive periods in a row with contact, or without.
     #[default]
     Unknown,
     /// The hammer strikes.
@@ -165,7 +165,7 @@ pub struct Status {
     pub fault: Option<FaultRecord>,
     /// Limits that clamp now.
     pub limits: ActiveLimits,
-    /// Drive frequency, Hz.
+    /// Commanded drive frequency, Hz; given while the drive is off, too.
     pub frequency_hz: f32,
     /// Commanded cart amplitude, m.
     pub amplitude_m: f32,
@@ -173,7 +173,7 @@ pub struct Status {
     pub measured_amplitude_m: f32,
     /// Measured lag of the cart behind the command, rad.
     pub lag_rad: f32,
-    /// Measured regime.
+    /// Regime measured last; [`Regime::None`] before the first measurement.
     pub regime: Regime,
     /// Measured peak force of the last drive period, N.
     pub peak_n: f32,
@@ -199,13 +199,13 @@ pub enum ResetCause {
     /// The supply came on.
     #[default]
     PowerOn,
-    /// The reset line.
+    /// The reset line, with the drive off.
     Pin,
-    /// The program itself.
+    /// The program reset the board itself.
     Software,
-    /// The watchdog.
+    /// The watchdog ran out and reset the board.
     Watchdog,
-    /// The supply dropped.
+    /// The supply dropped and reset the board.
     BrownOut,
     /// The reset line or a debugger, with the drive on.
     WhileDriving,

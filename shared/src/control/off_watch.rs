@@ -35,7 +35,7 @@ pub(super) struct OffWatch {
     /// Ticks of grace, and those of it that are left.
     full_grace: u32,
     grace: u32,
-    /// SHAKEN m/M.
+    /// [`SHAKEN`] times m/M: how far a free cart may move per motion of the hammer.
     shaken: f32,
     /// Ticks of the group under way.
     grouped: u32,
@@ -53,7 +53,7 @@ enum Found {
     Nothing,
     /// It stood still in the last window.
     Still,
-    /// It moved.
+    /// It moved in the last whole window, or early in the first: off is not off.
     Moving,
 }
 

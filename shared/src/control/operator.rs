@@ -32,7 +32,7 @@ impl Operator {
         self.awaited
     }
 
-    /// Takes an acknowledgement.
+    /// Acknowledges an emergency stop; refused if none awaits that, or the chain was open in the last [`CLOSED_TICKS`].
     pub fn acknowledge(&mut self, tick: u32) -> Result<(), Refused> {
         if !self.awaited {
             return Err(Refused::WrongState);

@@ -70,12 +70,12 @@ impl DriveOscillator {
         self.amplitude_goal_m = 0.0;
     }
 
-    /// Frequency now, Hz.
+    /// Drive frequency now, Hz, on its way to its goal.
     pub fn frequency_hz(&self) -> f32 {
         self.frequency_hz
     }
 
-    /// Amplitude now, m.
+    /// Commanded cart amplitude now, m, on its way to its goal.
     pub fn amplitude_m(&self) -> f32 {
         self.amplitude_m
     }

@@ -29,7 +29,7 @@ pub(super) enum Phase {
 }
 
 impl Phase {
-    /// The same without the data.
+    /// The [`State`] that is reported of this phase.
     pub fn state(&self) -> State {
         match self {
             Self::Idle => State::Idle,

@@ -56,7 +56,7 @@ const TRIES: u8 = 2;
 /// What the motion has proven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Proven {
-    /// Cart over command.
+    /// Motion of the cart, as its sensor shows it, over the motion commanded.
     pub cart: f32,
     /// Hammer over cart, if the motion was slow enough to prove it.
     pub hammer: Option<f32>,

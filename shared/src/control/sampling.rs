@@ -21,7 +21,7 @@ const NATURAL_SPREAD: f32 = 1.06;
 const BEYOND_PERIODS: u8 = 2;
 
 impl Controller {
-    /// One tick's samples.
+    /// Takes in one tick's samples: guards first, then self test and sensing.
     #[inline]
     pub(super) fn sample(&mut self, frame: &Frame) {
         let driving = self.life.phase.is_driving();
@@ -90,7 +90,10 @@ impl Controller {
                 self.seen.free_force.0 += sample.force_n - self.sense.force_offset_n();
                 self.seen.free_force.1 += 1;
             }
-            self.rig.identification.flight(&sample, in_contact);
+            // From where the hammer rested in the self test, as its contacts are: a zero that is wrong is no gap.
+            let hammer_m = sample.hammer_m - self.sense.rest_relative_m();
+            let from_rest = Sample { hammer_m, ..sample };
+            self.rig.identification.flight(&from_rest, in_contact);
             if let Some(pulse) = found.pulse {
                 self.pulse(&pulse);
             }

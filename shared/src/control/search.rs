@@ -57,7 +57,7 @@ enum SearchLeg {
     Locked { near: u8 },
     /// Holding, with so many drive periods to go until the next climb.
     Rest { periods: u16 },
-    /// Holding, and climbing.
+    /// Holding, while a climb looks for the phase of the strongest contact.
     Climb(PhaseProbe),
 }
 
@@ -78,7 +78,7 @@ pub struct Beat {
     pub impulse_n_s: f32,
     /// Phase of the last onset against the measured motion of the cart, turns.
     pub phase_turns: f32,
-    /// The measured regime.
+    /// Regime z = p/n, as measured last.
     pub regime: Regime,
 }
 
@@ -97,11 +97,11 @@ impl Beat {
 /// The effect of a drive period on the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchStep {
-    /// Nothing to report.
+    /// Nothing to report: the search goes on.
     On,
     /// The best frequency is found (`found`: Seek is over with it) or corrected by a climb.
     Best {
-        /// Frequency, Hz.
+        /// Drive frequency of this period, Hz.
         frequency_hz: f32,
         /// Impulse per contact, N·s.
         impulse_n_s: f32,

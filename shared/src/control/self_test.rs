@@ -48,7 +48,7 @@ struct Window {
     codes: (AdcCode, AdcCode),
 }
 
-/// The self test.
+/// The self test under way: windows of samples until the zeros are known.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfTest {
     /// Ticks of half a natural period.

@@ -111,7 +111,7 @@ impl TestRig {
         });
     }
 
-    /// The same, the hammer nowhere sure to strike.
+    /// Answers the forecast that is asked for; the hammer is nowhere sure to strike.
     pub fn forecast(&mut self, target: Option<Target>) {
         self.forecast_of(target, 0.0);
     }

@@ -25,7 +25,7 @@ const SURGE_ANSWER: f32 = 0.7;
 const LEAST_COMMAND: f32 = 0.2;
 /// Drive periods between two reductions: the hammer needs some to respond.
 const ANSWER_PERIODS: u8 = 4;
-/// The same where a limit is exceeded by more than a tenth.
+/// Drive periods between two reductions where a limit is exceeded by more than a tenth.
 const URGENT_PERIODS: u8 = 1;
 /// Share of a limit at which the amplitude begins where more is expected.
 const EXPECTED: f32 = 0.9;
@@ -33,7 +33,7 @@ const EXPECTED: f32 = 0.9;
 const LEAST_DRAW: f32 = 0.05;
 /// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
-/// The same after a period without contact, which says nothing of the force: share per second.
+/// Share per second by which a reduced amplitude recovers after a period without contact: that says nothing of force.
 const BLIND_RELEASE: f32 = 0.02;
 /// Drive periods in a row within a limit before what it took returns: the blows of an aperiodic motion differ.
 const CALM_PERIODS: u8 = 12;
@@ -69,11 +69,11 @@ pub enum Way {
     AtSetPoint,
 }
 
-/// The amplitude loop.
+/// The amplitude loop, with the limits that reduce the amplitude.
 #[derive(Clone, Copy, Debug)]
 pub struct Trim {
     wanted_m: f32,
-    /// Largest command.
+    /// Largest cart amplitude that may be commanded, m.
     largest_m: f32,
     /// Whether more was asked for.
     asked_beyond: bool,
@@ -84,7 +84,7 @@ pub struct Trim {
     /// Travel by the rebound over the force of the blow, m/N.
     rebound_m_per_n: f32,
     natural_hz: f32,
-    /// Command over amplitude.
+    /// Command over the amplitude that it is to make: what the loop corrects.
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
     draw: f32,
@@ -166,7 +166,7 @@ impl Trim {
         }
     }
 
-    /// Limits that clamp.
+    /// Limits that reduce the amplitude, or hold the command, now.
     pub fn limits(&self) -> ActiveLimits {
         self.limits
     }

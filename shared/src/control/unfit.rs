@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Unfit(u8);
 
 impl Unfit {
-    /// Fit.
+    /// No reason: the board is fit to drive.
     pub const NONE: Self = Self(0);
     /// The crystal's clock did not come, or died: the clock in use is an oscillator without one.
     pub const CLOCK: Self = Self(1);

@@ -35,13 +35,13 @@ pub(super) enum Stage {
     Rest(usize),
     /// The orbit of a row, the n-th guess.
     Orbit(usize, u8),
-    /// The same on the way down.
+    /// The orbit of a row on the way down, the n-th guess.
     Down(usize, u8),
     /// The upper end of the stable 1/1.
     High(RangeEnd),
-    /// Its lower end.
+    /// The lower end of the stable 1/1.
     Low(RangeEnd),
-    /// Its strongest orbit.
+    /// The strongest orbit of the stable 1/1.
     Peak(Peak),
     /// From rest at the target.
     Entry,

@@ -40,7 +40,7 @@ const LONGEST_CONTACT_STEP: f32 = 1.0;
 /// Steps of unchanged length at the beginning of a contact: more than a usual contact takes.
 const STEPS_OF_A_CONTACT: u16 = 40;
 
-/// The same under the nonlinear laws: some steps are shorter, and Hunt–Crossley's hammer leaves slowly.
+/// [`STEPS_OF_A_CONTACT`] of the nonlinear laws: some steps are shorter, and Hunt–Crossley's hammer leaves slowly.
 const STEPS_OF_A_NONLINEAR_CONTACT: u16 = 80;
 
 /// The shortest step under the nonlinear laws, as a share of the usual one in contact.
@@ -111,9 +111,9 @@ impl Held {
 /// A rig in the numbers the forecast needs: worked out once, since that takes `f64`.
 #[derive(Clone, Copy, Debug)]
 pub struct ForecastModel {
-    /// The rig.
+    /// The rig in plain numbers, for the march.
     pub rig: Rig<f32>,
-    /// The same, to be differentiated.
+    /// The rig in numbers with derivatives, for the linearised motion.
     pub tangent: Rig<Tangent>,
     contact_rate: f32,
     held: Option<Held>,
@@ -137,11 +137,11 @@ impl ForecastModel {
 /// A drive frequency, with the step lengths that suit it.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
-    /// The rig.
+    /// The rig in plain numbers.
     pub rig: Rig<f32>,
     /// The drive at phase 0, a 32nd of a period per tick.
     pub drive: Drive<f32>,
-    /// A0 Ω², m/s².
+    /// Amplitude A0 Ω² of the cart's acceleration, m/s².
     pub drive_acceleration: f32,
     /// The cart, if it recoils.
     pub cart: Option<Cart<f32>>,
@@ -314,7 +314,7 @@ impl March {
         [self.state.q.hi, self.state.v.hi, e, w]
     }
 
-    /// The same, and it finds [`Self::lead_turns`].
+    /// Starts at `section` at drive phase 0, and finds [`Self::lead_turns`] on the way.
     pub fn with_lead(setup: &Setup, section: ForecastSection) -> Self {
         Self {
             lead: setup.cart.map(|_| Lead::default()),
@@ -328,7 +328,7 @@ impl March {
         self.lead.as_ref().map_or(0.0, |lead| lead.turns(amplitude))
     }
 
-    /// The latest contact.
+    /// The latest onset, and the impulse since the start.
     pub fn latest_contact(&self) -> &LatestContact {
         &self.latest
     }

@@ -30,7 +30,7 @@ pub const MAX_ROWS: usize = 40;
 pub struct ForecastRequest {
     /// Counts requests; the answer carries it.
     pub id: u32,
-    /// The believed rig.
+    /// The rig to forecast, as it is believed to be.
     pub rig: RigParams,
     /// Lowest and highest frequency, Hz.
     pub range_hz: (f32, f32),
@@ -59,7 +59,7 @@ pub struct ForecastOrbit {
     pub force_n: f32,
     /// Impulse of the contact, N·s.
     pub impulse_n_s: f32,
-    /// Approach speed, m/s.
+    /// Penetration rate at the onset, m/s.
     pub approach_m_per_s: f32,
     /// Drive phase at onset, turns.
     pub onset_turns: f32,
@@ -70,7 +70,7 @@ pub struct ForecastOrbit {
 }
 
 impl ForecastOrbit {
-    /// Whether it attracts.
+    /// Whether the orbit attracts: every multiplier is below 1 in modulus.
     pub fn is_stable(&self) -> bool {
         self.multiplier < 1.0
     }
@@ -94,7 +94,7 @@ pub struct ForecastRow {
 pub struct Target {
     /// The strongest stable 1/1, Hz.
     pub frequency_hz: f32,
-    /// Its orbit.
+    /// The orbit at that frequency.
     pub orbit: ForecastOrbit,
     /// Lower and upper end of the stable 1/1 around it, Hz (within the range asked for).
     pub band_hz: (f32, f32),
@@ -105,12 +105,12 @@ pub struct Target {
     pub entry_hz: f32,
 }
 
-/// The forecast.
+/// A forecast: what the hammer does at each frequency, and where to run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
-    /// [`ForecastRequest::id`].
+    /// Number of the request that it answers ([`ForecastRequest::id`]).
     pub id: u32,
-    /// By rising frequency.
+    /// One row per frequency, by rising frequency; empty for an invalid request.
     pub rows: Vec<ForecastRow, MAX_ROWS>,
     /// The frequency to run at; `None` without a stable 1/1.
     pub target: Option<Target>,

@@ -10,12 +10,12 @@ use super::shoot::Solution;
 pub struct OrbitAtFrequency {
     /// Drive frequency, Hz.
     pub hz: f32,
-    /// The orbit.
+    /// The orbit found there, and its section point.
     pub solution: Solution,
 }
 
 impl OrbitAtFrequency {
-    /// [`super::ForecastOrbit::doubling_test`].
+    /// The orbit's doubling test: positive before the doubling, 0 at it, negative past it.
     fn at_minus_one(&self) -> f32 {
         self.solution.orbit.doubling_test
     }

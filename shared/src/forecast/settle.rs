@@ -18,7 +18,7 @@ const CONFIRMATIONS: u32 = 4;
 /// Steps at most, with a prescribed cart; a period of chatter takes some hundreds.
 const MOST_STEPS: u32 = 9000;
 
-/// The result.
+/// What a run from rest came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settled {
     /// The regime over the last window.
@@ -31,7 +31,7 @@ pub struct Settled {
     pub before: ForecastSection,
 }
 
-/// The run.
+/// A run from rest at one frequency, a step of the march at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Settle {
     march: March,

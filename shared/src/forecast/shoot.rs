@@ -55,9 +55,9 @@ impl Solution {
 /// How the iteration stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shooting {
-    /// Not done.
+    /// Not done: another step is due.
     Working,
-    /// A fixed point.
+    /// A fixed point of the return map was found.
     Found(Solution),
     /// None from this guess.
     Lost,

@@ -69,7 +69,7 @@ impl Forecaster {
         Some(RangeEnd::new(inside, behind, hz, beyond))
     }
 
-    /// The same for the lower end.
+    /// The search for the lower end, from the first row of the stretch down to the next; none at the first row of all.
     fn low_edge(&self) -> Option<RangeEnd> {
         let (first, _, last) = self.stable_range.rows;
         let inside = self.known(first)?;

@@ -24,7 +24,7 @@ pub struct Variation {
     units: ForecastSection,
     /// The motion with its derivatives by the hammer's part of the section.
     state: HammerState<Tangent>,
-    /// The same with those by the cart's part; not followed with a prescribed cart.
+    /// The motion with its derivatives by the cart's part of the section; not followed with a prescribed cart.
     by_cart: HammerState<Tangent>,
 }
 

@@ -143,7 +143,7 @@ impl Decoder {
         }
     }
 
-    /// Counts so far.
+    /// Counts of the frames received so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }

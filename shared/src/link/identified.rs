@@ -11,7 +11,7 @@ pub struct Identified {
     pub stiffness_n_per_m: Option<f32>,
     /// Contact damping ci, N·s/m.
     pub damping_n_s_per_m: Option<f32>,
-    /// Natural frequency, Hz.
+    /// Natural frequency of the hammer on its support, Hz.
     pub natural_frequency_hz: Option<f32>,
     /// Clearance at rest, m.
     pub gap_m: Option<f32>,

@@ -28,7 +28,7 @@ pub const MAX_EVENTS: usize = 4;
 pub enum ExchangeRequest {
     /// Makes a new controller.
     Begin {
-        /// Its settings.
+        /// Settings of the new controller.
         settings: Settings,
         /// Why and with what it starts.
         boot: BootInfo,

@@ -13,7 +13,7 @@ use crate::settings::Settings;
 pub struct Packet<M> {
     /// Counts the packets the sender meant to send (wraps).
     pub sequence: u16,
-    /// The message.
+    /// What is sent: a [`ToBoard`] or a [`FromBoard`].
     pub message: M,
 }
 
@@ -26,12 +26,12 @@ pub struct Packet<M> {
 pub enum ToBoard {
     /// Begins a conversation: ends the streams of the one before. A session goes on. Answered with [`LinkAnswer::Hello`].
     Hello,
-    /// Answered with [`LinkAnswer::Status`].
+    /// Asks what the controller is doing. Answered with [`LinkAnswer::Status`].
     GetStatus,
     /// Without a session: [`Command::Stop`], which anybody may give and which keeps its encoding for ever; any other
     /// command is refused. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     Command(Command),
-    /// Answered with [`LinkAnswer::Settings`].
+    /// Asks for the settings in use. Answered with [`LinkAnswer::Settings`].
     GetSettings,
     /// A page of the forecast, from 0. Answered with [`LinkAnswer::Forecast`]; beyond the last, a page without rows.
     GetForecast {
@@ -45,19 +45,19 @@ pub enum ToBoard {
     },
     /// A recording of every tick, or its end. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     StreamFrames {
-        /// Whether to stream.
+        /// True: the recording begins; false: it ends.
         on: bool,
     },
-    /// Answered with [`LinkAnswer::FaultRecord`].
+    /// Asks for the present or last fault. Answered with [`LinkAnswer::FaultRecord`].
     GetFaultRecord,
-    /// Answered with [`LinkAnswer::Identified`].
+    /// Asks for the identified parameters of the rig. Answered with [`LinkAnswer::Identified`].
     GetIdentified,
-    /// Answered with [`LinkAnswer::Board`].
+    /// Asks what a program must know before it steers. Answered with [`LinkAnswer::Board`].
     GetBoard,
     /// Asks for the session, without which nothing is steered: see [the module](super). Answered with
     /// [`LinkAnswer::Session`] or [`LinkAnswer::Refused`].
     OpenSession {
-        /// [`BoardState::boot`].
+        /// [`BoardState::boot`] as the sender knows it; another one is refused.
         boot: u32,
         /// [`BoardState::granted`]. A request that was recorded earlier names another number and is refused.
         granted: u32,
@@ -66,11 +66,11 @@ pub enum ToBoard {
     },
     /// An act of who has the session. Answered with [`LinkAnswer::Done`] or [`LinkAnswer::Refused`].
     Steer {
-        /// From [`LinkAnswer::Session`].
+        /// Number of the sender's session, from [`LinkAnswer::Session`].
         session: u32,
         /// Higher from one act to the next, from 1: an old one is refused.
         number: u32,
-        /// The act.
+        /// What is to be done.
         act: LinkAct,
     },
 }
@@ -87,7 +87,7 @@ pub enum LinkAct {
     /// New settings, checked and taken as a whole, in Idle (or after a fault) only, and stored in flash if they are
     /// not the same as those there. The controller starts anew with them.
     SetSettings(Settings),
-    /// The session ends.
+    /// Ends the session, so that another program may open one.
     Release,
     /// The part's brown-out reset is set to the level that its clock needs, in Idle or Fault with the drive off, once per board.
     SetBrownOut,
@@ -104,7 +104,7 @@ pub enum FromBoard {
     Answer {
         /// [`Packet::sequence`] of the request.
         request: u16,
-        /// The answer.
+        /// The answer to that request.
         answer: LinkAnswer,
     },
     /// Unasked, at the decimation asked for.
@@ -113,14 +113,14 @@ pub enum FromBoard {
     Recording(Recording),
 }
 
-/// An answer.
+/// The board's answer to a request ([`ToBoard`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
 pub enum LinkAnswer {
-    /// Versions and names.
+    /// Versions of protocol and firmware, the board's name, and its tick and block.
     Hello(Hello),
     /// The request was carried out.
     Done,
@@ -147,7 +147,7 @@ pub enum LinkAnswer {
 pub struct BoardState {
     /// A number of this boot: another after every reset.
     pub boot: u32,
-    /// Sessions granted since.
+    /// Sessions granted in this boot.
     pub granted: u32,
     /// Somebody has the session.
     pub held: bool,
@@ -163,9 +163,9 @@ pub type LinkName = heapless::String<23>;
 /// Versions and names of the answering side. The first field is the version, for ever.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
-    /// [`super::PROTOCOL_VERSION`].
+    /// The answering side's [`super::PROTOCOL_VERSION`].
     pub protocol: u16,
-    /// The firmware's version.
+    /// Version of the program that answers, as text.
     pub firmware: LinkName,
     /// The board, or `emulator`.
     pub board: LinkName,
@@ -204,7 +204,7 @@ impl From<control::Refused> for Refusal {
 /// The state of the controller, sent unasked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// The state.
+    /// State of the controller, as [`ToBoard::GetStatus`] would give it.
     pub status: Status,
     /// Packets dropped for want of room since the start.
     pub dropped: u32,
@@ -218,7 +218,7 @@ pub const ROWS_PER_PAGE: usize = 6;
 pub struct ForecastPage {
     /// [`Forecast::id`]: pages of different numbers do not belong together. 0 without rows: there is no forecast yet.
     pub id: u32,
-    /// Which page.
+    /// Number of this page, from 0.
     pub page: u8,
     /// Rows of the whole forecast.
     pub rows_in_all: u8,

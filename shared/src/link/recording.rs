@@ -12,7 +12,7 @@ pub const MAX_GIVEN: usize = 2;
 /// A command given before a block, and whether it was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GivenCommand {
-    /// The command.
+    /// The command as it was given.
     pub command: Command,
     /// Why it was refused; `None`: it was carried out.
     pub refused: Option<Refused>,
@@ -41,7 +41,7 @@ pub struct BlockNotes {
 pub struct RecordedBlock {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
-    /// The samples.
+    /// Samples of the block, a frame per tick.
     pub frames: Vec<Frame, MAX_BLOCK>,
     /// The set-points, as many.
     pub outputs: Vec<Output, MAX_BLOCK>,
@@ -62,7 +62,7 @@ const _: () = assert!(MAX_BLOCK <= u32::BITS as usize);
 pub struct Recording {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
-    /// Everything besides codes.
+    /// The inputs besides the frames, and the state after the block.
     pub notes: BlockNotes,
     /// Frequency set-point of the block's first tick, Hz.
     frequency_hz: f32,

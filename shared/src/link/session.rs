@@ -11,7 +11,7 @@ use crate::settings::{Settings, ticks_of};
 
 /// The functions of a board (or the emulator) that the link uses. None may wait.
 pub trait Device {
-    /// Versions and names.
+    /// Versions of protocol and firmware, the board's name, and its tick and block.
     fn hello(&mut self) -> Hello;
     /// What the controller is doing.
     fn status(&mut self) -> Status;
@@ -104,9 +104,9 @@ pub struct Session<const N: usize> {
     decimation: u32,
     last_telemetry: u32,
     recording: bool,
-    /// Who steers.
+    /// Session of the program that steers; none while nobody does.
     steering: Option<Steering>,
-    /// Sessions granted.
+    /// Sessions granted so far (wraps).
     granted: u32,
 }
 

@@ -90,7 +90,7 @@ type Image = [u8; IMAGE_BYTES];
 pub enum Loaded {
     /// The settings stored last. They passed [`Settings::check`].
     Settings(Settings),
-    /// The same, but the settings stored last may be others, that were damaged since.
+    /// Settings that passed their check, but those stored last may be others, that were damaged since.
     OlderCopy(Settings),
     /// None were ever stored (or the power failed during the first save).
     Default,
@@ -103,7 +103,7 @@ pub enum Loaded {
 pub enum Saved {
     /// Written and read back.
     Written,
-    /// The same settings are stored already; nothing was written.
+    /// These very settings are stored already; nothing was written.
     Unchanged,
 }
 
@@ -131,7 +131,7 @@ impl<E> From<E> for SaveError<E> {
     reason = "there is no heap, and one lives at a time"
 )]
 enum Slot {
-    /// Erased throughout.
+    /// Every byte erased (0xff).
     Blank,
     /// Neither whole nor ever finished.
     Unfinished,

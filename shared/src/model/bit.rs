@@ -32,7 +32,7 @@ use crate::model::slider::Slider;
 /// A bit (SI: kg, N, m, s).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bit<R> {
-    /// m_b, kg.
+    /// Mass m_b of the bit, kg.
     pub mass: R,
     /// k_b of the hammer on the bit, N/m.
     pub stiffness: R,
@@ -137,7 +137,7 @@ impl<R: Real> Bit<R> {
         self.feed_force / ground.stiffness
     }
 
-    /// The same bit in another scalar.
+    /// This bit with its numbers converted to the scalar `T`.
     pub fn cast<T: Real>(&self) -> Bit<T> {
         let t = |x: R| T::from_f64(x.to_f64());
         Bit {

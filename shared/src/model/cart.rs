@@ -39,7 +39,7 @@ impl CartDrive {
 pub struct LoopParams {
     /// Natural frequency of the loop with the cart alone, Hz.
     pub frequency_hz: f64,
-    /// Its damping ratio.
+    /// Damping ratio ζ of the loop with the cart alone.
     pub damping_ratio: f64,
     /// Share of M ÿ* that is fed forward.
     pub feed_forward: f64,
@@ -107,7 +107,7 @@ impl<R: Real> Cart<R> {
         })
     }
 
-    /// The same cart in other numbers.
+    /// This cart with each of its numbers converted by `number`.
     pub fn map<S: Real>(&self, number: impl Fn(R) -> S) -> Cart<S> {
         Cart {
             mass: number(self.mass),
@@ -132,8 +132,8 @@ impl<R: Real> Cart<R> {
         self.both_beside(rig, at, v, [force, R::ZERO], course, deviation)
     }
 
-    /// The same with a third body that the cart carries, on which hammer, feed and ground press with a force `pressed`
-    /// ([`super::bit`]): its opposite acts on the cart.
+    /// As [`Self::both`], with a third body that the cart carries, on which hammer, feed and ground press with a force
+    /// `pressed` (N, [`super::bit`]): its opposite acts on the cart.
     #[inline]
     pub fn both_beside(
         &self,

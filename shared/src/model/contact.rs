@@ -36,7 +36,7 @@ const RESTITUTION: Number = Number::new(
     &Allowed(0.0, 1.0, "a number from 0 to 1"),
 );
 
-/// The same under a law that divides by it.
+/// Restitution e of a law that divides by it: at least 0.01.
 const RESTITUTION_ABOVE_ZERO: Number = Number::new(
     RESTITUTION.key,
     RESTITUTION.meaning,
@@ -79,7 +79,7 @@ macro_rules! laws {
                 match self { $(Self::$law => $formula,)+ }
             }
 
-            /// Its numbers.
+            /// The law's numbers, in the order of a rig file.
             pub const fn numbers(self) -> &'static [Number] {
                 match self { $(Self::$law => &[$($number),+],)+ }
             }
@@ -105,7 +105,7 @@ macro_rules! laws {
         }
 
         impl<R: Real> Law<R> {
-            /// The same law in another scalar.
+            /// This law with its numbers converted to the scalar `T`.
             pub fn cast<T: Real>(&self) -> Law<T> {
                 match *self {
                     $(Self::$law { $($field),+ } => Law::$law {
@@ -133,32 +133,32 @@ macro_rules! laws {
 laws! {
     /// Hertz, F = ki δⁿ (3-2). Loses no energy.
     Hertz = "hertz", "F = ki δⁿ (3-2): ki" {
-        /// ki, N/mⁿ.
+        /// Contact stiffness ki, N/mⁿ.
         stiffness: STIFFNESS,
-        /// n.
+        /// Exponent n of the penetration.
         exponent: EXPONENT,
     }
     /// Spring-dashpot, F = ki δ + ci δ̇ (3-3), the law the chapter identified (Table 3.1).
     SpringDashpot = "spring-dashpot", "F = ki δ + ci δ̇ (3-3): ki and ci" {
-        /// ki, N/m.
+        /// Contact stiffness ki, N/m.
         stiffness: STIFFNESS,
-        /// ci, N·s/m.
+        /// Contact damping ci, N·s/m.
         damping: DAMPING,
     }
     /// Hunt–Crossley, F = ki δⁿ (1 + λ δ̇) (3-4), λ = ci/ki.
     HuntCrossley = "hunt-crossley", "F = ki δⁿ(1 + λ δ̇) (3-4): ki and λ" {
-        /// ki, N/mⁿ.
+        /// Contact stiffness ki, N/mⁿ.
         stiffness: STIFFNESS,
-        /// n.
+        /// Exponent n of the penetration.
         exponent: EXPONENT,
-        /// λ, s/m.
+        /// Damping λ = ci/ki, s/m.
         damping_ratio: DAMPING_RATIO,
     }
     /// Lankarani–Nikravesh, F = ki δⁿ (1 + ¾ (1 − e²) δ̇/δ̇⁻) (3-5), δ̇⁻ the approach speed.
     LankaraniNikravesh = "lankarani-nikravesh", "F = ki δⁿ(1 + ¾(1 − e²) δ̇/δ̇⁻) (3-5): ki and e" {
-        /// ki, N/mⁿ.
+        /// Contact stiffness ki, N/mⁿ.
         stiffness: STIFFNESS,
-        /// n.
+        /// Exponent n of the penetration.
         exponent: EXPONENT,
         /// Newton's coefficient of restitution e the law is given. What comes out is larger for small
         /// e: even e = 0 rebounds at about 0.66 of the approach speed.
@@ -167,9 +167,9 @@ laws! {
     /// Flores, Machado, Silva and Martins, F = ki δⁿ (1 + 8 (1 − e)/(5 e) δ̇/δ̇⁻), δ̇⁻ the approach speed: made for contacts
     /// that lose much (Multibody System Dynamics 25 (2011) 357–375).
     Flores = "flores", "F = ki δⁿ(1 + 8(1 − e)/(5e) δ̇/δ̇⁻) (Flores 2011): ki and e" {
-        /// ki, N/mⁿ.
+        /// Contact stiffness ki, N/mⁿ.
         stiffness: STIFFNESS,
-        /// n.
+        /// Exponent n of the penetration.
         exponent: EXPONENT,
         /// Newton's coefficient of restitution e. What comes out is at most 0.046 less.
         restitution: RESTITUTION_ABOVE_ZERO,
@@ -253,7 +253,7 @@ impl Law<f64> {
         (self.kind().name(), self)
     }
 
-    /// The same law with its stiffness and what damps it scaled: ci, λ, 1 − e² (kept at or below 1), or
+    /// This law with its stiffness and what damps it scaled: ci, λ, 1 − e² (kept at or below 1), or
     /// Flores's (1 − e)/e (as far as e may be).
     #[must_use]
     pub fn scaled(mut self, by_stiffness: f64, by_damping: f64) -> Self {

@@ -9,9 +9,9 @@ pub const SUSTAINED_CONTACT_S: f64 = 5e-3;
 /// One finished contact: a stay in Γ+.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<R> {
-    /// When it began.
+    /// Instant at which the contact began.
     pub onset: Stamp,
-    /// When it ended.
+    /// Instant at which it ended.
     pub release: Stamp,
     /// How long it lasted, s.
     pub duration_s: R,
@@ -21,7 +21,7 @@ pub struct Contact<R> {
     pub rebound_speed: R,
     /// Largest force, N, interpolated between the integrator's points.
     pub peak_force: R,
-    /// ∫F dt, N·s.
+    /// Impulse ∫F dt of the contact, N·s.
     pub impulse: R,
     /// Energy the contact took from the hammer, J: the work of the force (or torque) really applied.
     pub energy_lost: R,
@@ -30,7 +30,7 @@ pub struct Contact<R> {
 /// What happened in one drive period, strobe to strobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Period<R> {
-    /// Contacts that began.
+    /// Contacts that began in the period.
     pub onsets: u16,
     /// Whether the hammer touched the surface at all.
     pub touched: bool,
@@ -43,7 +43,7 @@ pub struct Period<R> {
 /// A piece of a step spent in contact: what the ledger needs of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPiece<R> {
-    /// Length, s.
+    /// Length of the piece, s.
     pub span_s: R,
     /// Force at its two ends, N.
     pub force: (R, R),

@@ -147,7 +147,7 @@ impl<R: Real> Drive<R> {
         Ok(())
     }
 
-    /// The same drive in other numbers.
+    /// This drive, phase included, with each of its numbers converted by `number`.
     pub fn map<S: Real>(&self, number: impl Fn(R) -> S) -> Drive<S> {
         let sum = |x: &Compensated<R>| Compensated {
             hi: number(x.hi),
@@ -181,7 +181,7 @@ impl<R: Real> Drive<R> {
         f64::from(self.increment) / TURN / self.tick_s.to_f64()
     }
 
-    /// Ω, rad/s.
+    /// Angular frequency Ω, rad/s.
     pub fn angular_frequency(&self) -> f64 {
         TAU * self.frequency_hz()
     }

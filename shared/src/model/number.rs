@@ -5,7 +5,7 @@
 pub struct Number {
     /// As rig files and the command line name it, with its unit.
     pub key: &'static str,
-    /// What it is.
+    /// What the number is, in words.
     pub meaning: &'static str,
     /// How many of its key's units one SI unit is.
     pub per_si_unit: f64,
@@ -27,7 +27,7 @@ impl Number {
         }
     }
 
-    /// The same number with its key in millimetres.
+    /// This number with its key in millimetres.
     pub(super) const fn in_mm(self) -> Self {
         Self {
             per_si_unit: 1e3,

@@ -27,9 +27,9 @@ pub enum Torque {
 pub enum SupportParams {
     /// Wires: a pendulum (3-15). Its dynamics use g/l.
     Wires {
-        /// l, m.
+        /// Wire length l, m.
         length_m: f64,
-        /// g, m/s².
+        /// Gravity g, m/s².
         gravity_m_per_s2: f64,
         /// ω/2π, Hz: what frequency ratios are relative to. Table 3.2 rounds √(g/l)/2π = 1.8202 to 1.82.
         natural_frequency_hz: f64,
@@ -38,9 +38,9 @@ pub enum SupportParams {
     },
     /// Beam springs (3-30): k = mω², c = 2ζmω.
     Beams {
-        /// ω/2π, Hz.
+        /// Natural frequency ω/2π, Hz.
         natural_frequency_hz: f64,
-        /// ζ.
+        /// Damping ratio ζ of the beams.
         damping_ratio: f64,
         /// κ, N/m³; `None`: numerically k, as the chapter writes it.
         cubic_stiffness_n_per_m3: Option<f64>,
@@ -60,7 +60,7 @@ pub struct RigParams {
     pub amplitude_m: f64,
     /// Clearance at rest, m. Negative: the hammer rests pressed against the surface.
     pub gap_m: f64,
-    /// The contact law.
+    /// Contact law between hammer and impact surface, with its parameters.
     pub contact: Law<f64>,
     /// What moves the cart.
     pub cart: CartDrive,
@@ -151,7 +151,7 @@ impl RigParams {
         self.mass_kg * gravity
     }
 
-    /// The same rig with its natural frequency scaled: wires through their length, beams directly.
+    /// This rig with its natural frequency scaled: wires through their length, beams directly.
     #[must_use]
     pub fn with_natural_frequency_scaled(mut self, factor: f64) -> Self {
         match &mut self.support {
@@ -171,7 +171,7 @@ impl RigParams {
         self
     }
 
-    /// The same rig at a gap of `gap_mm`, mm.
+    /// This rig at a gap of `gap_mm`, mm.
     ///
     /// # Errors
     /// If any parameter is out of range.

@@ -22,7 +22,7 @@ pub enum Regime {
     /// z = p/n: `impacts` contacts in `periods` drive periods, after which the section repeats. Not
     /// reduced: a period-doubled 1/1 is 2/2. 0/1 is a hammer that stays pressed on throughout.
     Periodic {
-        /// p.
+        /// p: contacts in `periods` drive periods.
         impacts: u16,
         /// n, 1 to [`MAX_PERIODS`].
         periods: u8,
@@ -124,7 +124,7 @@ impl<R: Real> Detector<R> {
         Self::with_tolerance(displacement, velocity, SECTION_TOLERANCE)
     }
 
-    /// The same with another tolerance.
+    /// A detector as [`Self::new`] makes it, with another tolerance (a share of the scales).
     pub fn with_tolerance(displacement: R, velocity: R, tolerance: f64) -> Self {
         Self {
             displacement_scale: displacement,

@@ -49,7 +49,7 @@ pub struct Rig<R> {
 pub struct Kinematics<R> {
     /// Penetration δ, m (negative: a clearance).
     pub delta: R,
-    /// δ̇, m/s.
+    /// Penetration rate δ̇, m/s.
     pub rate: R,
     /// dδ/dq: l cos θ (m/rad) or 1.
     pub slope: R,
@@ -133,7 +133,7 @@ impl<R: Real> Rig<R> {
         self.mass
     }
 
-    /// The same rig with this cart amplitude, m.
+    /// This rig with the cart amplitude `amplitude`, m.
     pub fn with_amplitude(self, amplitude: R) -> Self {
         Self { amplitude, ..self }
     }
@@ -144,7 +144,7 @@ impl<R: Real> Rig<R> {
         self.amplitude
     }
 
-    /// The contact law.
+    /// Contact law between hammer and impact surface.
     #[inline]
     pub fn law(&self) -> &Law<R> {
         &self.law

@@ -48,7 +48,7 @@ pub trait Real:
     /// where the model lives. Error bounds: see [`crate::model::trig`].
     fn sin_versin(self) -> (Self, Self);
 
-    /// |x|.
+    /// Absolute value.
     #[inline]
     fn abs(self) -> Self {
         if self < Self::ZERO { -self } else { self }
@@ -117,7 +117,7 @@ pub struct Compensated<R> {
 }
 
 impl<R: Real> Compensated<R> {
-    /// Starts at `value`.
+    /// A sum that starts at `value`, nothing lost yet.
     #[inline]
     pub fn new(value: R) -> Self {
         Self {
@@ -126,7 +126,7 @@ impl<R: Real> Compensated<R> {
         }
     }
 
-    /// Adds `increment`.
+    /// This sum with `increment` added.
     #[inline]
     #[must_use]
     pub fn plus(self, increment: R) -> Self {

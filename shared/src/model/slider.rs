@@ -22,9 +22,9 @@ use crate::model::scalar::{Compensated, Real};
 /// Ground that gives way (SI: N, m, s).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slider<R> {
-    /// k, N/m.
+    /// Stiffness k of the spring, N/m.
     pub stiffness: R,
-    /// c, N·s/m.
+    /// Damping c of the dashpot, N·s/m.
     pub damping: R,
     /// Pf, N: the contact force at which it gives way.
     pub threshold: R,
@@ -86,7 +86,7 @@ impl<R: Real> Slider<R> {
         }
     }
 
-    /// ė, m/s.
+    /// Rate ė of the compression, m/s.
     #[inline]
     pub fn compression_rate(&self, touch: Touch, e: R, speed: R) -> R {
         match touch {
@@ -154,7 +154,7 @@ impl<R: Real> Slider<R> {
         R::HALF * self.stiffness * (e * e)
     }
 
-    /// The same ground in another scalar.
+    /// This ground with its numbers converted to the scalar `T`.
     pub fn cast<T: Real>(&self) -> Slider<T> {
         let t = |x: R| T::from_f64(x.to_f64());
         Slider {
@@ -168,11 +168,11 @@ impl<R: Real> Slider<R> {
 /// Ground that gives way, in steps of fixed length: its state beside that of the hammer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground<R> {
-    /// The law.
+    /// The ground's parameters.
     pub slider: Slider<R>,
     /// How it is touched.
     pub touch: Touch,
-    /// e, m.
+    /// Compression e between top and bottom of the slider, m.
     pub compression: R,
     /// How far the front is beyond its nominal place, m: what the blows have dug less what the feed has made up for.
     pub lead: R,

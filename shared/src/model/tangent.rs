@@ -13,14 +13,14 @@ use crate::model::scalar::Real;
 /// A value and its partial derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tangent {
-    /// The value.
+    /// The number itself.
     pub value: f32,
     /// Its derivatives in the two directions.
     pub partial: [f32; 2],
 }
 
 impl Tangent {
-    /// A constant.
+    /// A constant: both derivatives are 0.
     pub const fn constant(value: f32) -> Self {
         Self {
             value,

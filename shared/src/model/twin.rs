@@ -74,12 +74,12 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         Ok(())
     }
 
-    /// The rig.
+    /// The rig that is stepped.
     pub fn rig(&self) -> &Rig<R> {
         &self.rig
     }
 
-    /// The drive.
+    /// The drive as of the last tick.
     pub fn drive(&self) -> &Drive<R> {
         &self.drive
     }
@@ -141,7 +141,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     }
 }
 
-/// A0 Ω², m/s².
+/// Amplitude A0 Ω² of the cart's acceleration, m/s².
 fn drive_acceleration<R: Real>(rig: &Rig<R>, drive: &Drive<R>) -> R {
     let omega = drive.angular_frequency();
     rig.amplitude() * R::from_f64(omega * omega)

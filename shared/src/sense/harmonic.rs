@@ -16,7 +16,7 @@ pub struct Fundamental {
 }
 
 impl Fundamental {
-    /// Amplitude, m.
+    /// Amplitude of the cart's motion at the drive frequency, m.
     pub fn amplitude_m(&self) -> f32 {
         libm::sqrtf(self.sine * self.sine + self.cosine * self.cosine)
     }
@@ -93,7 +93,7 @@ impl Harmonic {
         self.begin(false);
     }
 
-    /// Forgets everything.
+    /// Forgets everything: sums, mean, and the last period's fundamental.
     pub fn reset(&mut self) {
         *self = Self::default();
     }

@@ -57,7 +57,7 @@ pub struct Pulse {
     pub onset_turns: f32,
     /// Largest force, N, without the surface's ringing as far as that is known ([`ringing`]).
     pub peak_n: f32,
-    /// ∫F dt, N·s.
+    /// Impulse ∫F dt of the contact, N·s.
     pub impulse_n_s: f32,
     /// Time above the upper threshold, onset to first fall, interpolated, s; the fall is that of the force
     /// without its ringing.
@@ -75,7 +75,7 @@ pub struct Pulse {
 pub struct Strobe {
     /// Hammer displacement relative to the cart, m (observer).
     pub relative_m: f32,
-    /// Its rate, m/s.
+    /// Rate of that displacement, m/s (observer).
     pub rate_m_per_s: f32,
     /// Contacts that began in the period.
     pub contacts: u16,
@@ -106,7 +106,7 @@ pub struct SensedTick {
 /// The measured regime and the number of periods it rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensedRegime {
-    /// z = p/n.
+    /// Measured regime z = p/n.
     pub regime: Regime,
     /// Drive periods it rests on.
     pub periods: u8,

@@ -25,13 +25,13 @@ use super::contact_omega;
 use crate::model::params::SupportParams;
 use crate::settings::Settings;
 
-/// Ticks per correction.
+/// Ticks whose mean innovation makes one correction.
 pub const DECIMATION: u32 = 8;
 
 /// Clipped innovations in a row after which the observer starts anew.
 const CLIPS: u32 = 4;
 
-/// Gate, standard deviations.
+/// Innovations beyond so many standard deviations are clipped.
 const GATE: f32 = 5.0;
 
 /// Noise of the displacement difference in units of A0: 2 % of a stroke of about five A0.
@@ -48,7 +48,7 @@ const RESTITUTION: f32 = 0.3;
 /// be taken for how fast it leaves. Of more than 0.3 ms the rebound would scatter by more than 10 % at the noise above.
 const LATE_S: f32 = 0.2e-3;
 
-/// The observer.
+/// A Kalman observer of the hammer's displacement and rate relative to the cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     tick_s: f32,

@@ -74,7 +74,7 @@ impl Notch {
 /// The effect of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PulseEdge {
-    /// Nothing.
+    /// No contact begins or ends with this sample.
     None,
     /// A contact has begun: the sample before this one crossed the threshold and this one confirms it.
     Began {

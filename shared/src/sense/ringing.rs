@@ -105,7 +105,7 @@ pub struct Ringing {
     period_n: f32,
 }
 
-/// A contact.
+/// The force of one contact: its peak and the sum of its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingingContact {
     /// Its largest force, N.
@@ -362,7 +362,7 @@ fn least_squares(rows: impl Iterator<Item = (Vector2<f32>, f32)>) -> Option<(Vec
     Some((weights, 1.0 - weights.dot(&right) / all))
 }
 
-/// The same bits on every processor, as those of `nalgebra` are not.
+/// e^z, with the same bits on every processor, unlike that of `nalgebra`.
 fn exp(z: Complex<f32>) -> Complex<f32> {
     Complex::new(libm::cosf(z.im), libm::sinf(z.im)) * libm::expf(z.re)
 }

@@ -35,7 +35,7 @@ use fit::{Entry, FEATURES, SectionFit, fit_of};
 /// Drive periods looked at.
 pub const WINDOW: usize = 16;
 
-/// Largest n tried.
+/// Largest n tried, drive periods.
 pub const LONGEST: usize = 8;
 
 /// Periods that decide while a change of regime passes through the window.
@@ -61,7 +61,7 @@ const NEAR: f32 = 0.08;
 /// Periods cut at one drive phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PeriodWindow {
-    /// Newest first.
+    /// Closed periods, newest first.
     entries: [Entry; WINDOW],
     count: usize,
     /// Being filled: periods by (cycle of the cut) parity.
@@ -337,7 +337,7 @@ impl SensedSection {
         }
     }
 
-    /// The regime.
+    /// The regime by the record with fewer onsets near its cut; at drive phase 0 if they are equal.
     pub fn measured(&self) -> SensedRegime {
         if self.at_half.near_cut() < self.at_zero.near_cut() {
             self.at_half.measured
@@ -347,7 +347,7 @@ impl SensedSection {
     }
 }
 
-/// The same instant in periods cut at ½, numbered by the drive phase 0 in their middle.
+/// This instant (cycle and phase) in periods cut at ½, numbered by the drive phase 0 in their middle.
 fn half_later(cycle: u32, phase: u32) -> (u32, u32) {
     let (phase, wrapped) = phase.overflowing_add(1 << 31);
     (cycle.wrapping_add(u32::from(wrapped)), phase)

@@ -38,7 +38,7 @@ type Section = (Strobe, (f64, f64), f64);
 struct Seen {
     /// Contacts as measured, with the tick that hands them out.
     pulses: Vec<(Pulse, u32)>,
-    /// The same contacts in truth.
+    /// The true contacts, as the twin had them.
     contacts: Vec<Contact<f64>>,
     strobes: Vec<Section>,
     ticks_in_contact: u32,

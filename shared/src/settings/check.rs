@@ -282,7 +282,7 @@ pub fn check_shaker(rig: &RigParams) -> Result<(), ParamError> {
 
 /// Slowest position loop, and fastest root of one, Hz.
 const LOOP_HZ: (f64, f64) = (1.0, 500.0);
-/// Its damping ratios.
+/// Lowest and highest damping ratio of a position loop.
 const LOOP_DAMPING: (f64, f64) = (0.05, 5.0);
 /// Least mass of a cart that recoils, in hammers.
 const LIGHTEST_CART: f64 = 0.2;
@@ -309,7 +309,7 @@ fn either_way((lowest, highest): (f32, f32)) -> f32 {
 /// The least positive number that is not subnormal.
 const TINY: f32 = f32::MIN_POSITIVE;
 const POSITIVE: &str = "a positive number";
-/// [`LOW_RAIL`] to [`HIGH_RAIL`].
+/// The codes from [`LOW_RAIL`] to [`HIGH_RAIL`], in words.
 const CODE: &str = "a code from 124 to 3971";
 
 /// A setting: its name, value, lowest and highest value, and these in words.

@@ -47,15 +47,15 @@ pub enum Happening {
     Sound { noise: u16 },
     /// Samples with pulses of force, codes above zero.
     Striking { code: u16 },
-    /// Any codes.
+    /// Samples of these codes: force, hammer, cart.
     Wild { codes: [u16; 3] },
     /// The emergency chain opens.
     Emergency,
-    /// No samples.
+    /// Samples that do not arrive.
     Blind,
-    /// An overrun.
+    /// The control task ends too late.
     Overrun,
-    /// A command.
+    /// A command is given.
     Told(Command),
 }
 

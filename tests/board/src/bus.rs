@@ -5,7 +5,7 @@ use crate::machine::{Change, Machine};
 use crate::parts::capture::Input;
 use crate::parts::{Access, Write, adc, interrupt};
 
-/// A peripheral.
+/// A peripheral whose registers the program can reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Tim(usize),

@@ -95,7 +95,7 @@ impl<const SLOTS: usize> Cache<SLOTS> {
 mod tests {
     use super::*;
 
-    /// The same, as plain as can be: the most recently used line first.
+    /// A [`Cache`] as plain as can be: the most recently used line first.
     #[derive(Default)]
     struct Plain(Vec<u16>);
 

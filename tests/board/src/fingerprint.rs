@@ -13,13 +13,13 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// Adds a word.
+    /// Mixes a word into the number.
     pub fn add(&mut self, word: u64) {
         self.0 = (self.0 ^ word).wrapping_mul(0x0100_0000_01b3);
         self.0 ^= self.0 >> 29;
     }
 
-    /// Adds bytes.
+    /// Mixes bytes into the number, one by one.
     pub fn add_bytes(&mut self, bytes: &[u8]) {
         bytes.iter().for_each(|byte| self.add(u64::from(*byte)));
     }
@@ -57,7 +57,7 @@ impl Fingerprint {
         self.add_bytes(&machine.known[..]);
     }
 
-    /// The number.
+    /// The number that all that was added has come to.
     pub fn number(self) -> u64 {
         self.0
     }

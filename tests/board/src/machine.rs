@@ -32,7 +32,7 @@ pub enum Change {
     Enable(Option<bool>),
     /// The code at PA4; `None`: the converter is off.
     Dac(Option<u16>),
-    /// The LED, PA5.
+    /// The LED at PA5; `None`: not driven.
     Led(Option<bool>),
     /// The motor's duty cycle at PC7.
     Duty(Option<f64>),
@@ -44,7 +44,7 @@ pub enum Change {
     LockUp,
 }
 
-/// The peripherals.
+/// The peripherals of the microcontroller, and its clocks.
 #[derive(Clone, Debug)]
 #[allow(missing_docs)]
 pub struct Parts {
@@ -69,14 +69,14 @@ pub struct Parts {
 pub struct Patch {
     /// Address of the register.
     pub register: u32,
-    /// Bits.
+    /// The bits of the register that become another value.
     pub mask: u32,
-    /// Their value instead.
+    /// What these bits become, in their places.
     pub value: u32,
 }
 
 impl Patch {
-    /// None.
+    /// No mistake: every register gets what is written.
     pub const NONE: Self = Self {
         register: 0,
         mask: 0,
@@ -100,13 +100,13 @@ pub struct Around {
     pub hse: External,
     /// What is outside the pins of ports A to H.
     pub pins: [[Outside; 16]; 8],
-    /// Supply, V.
+    /// Supply voltage, V.
     pub supply_v: f64,
     /// The watchdog's clock, Hz: 17,000 to 47,000 (DS10693, 6.3.9).
     pub lsi_hz: u64,
     /// The flash takes the longest times of the data sheet, not the typical ones.
     pub slow_flash: bool,
-    /// Option bytes.
+    /// Option bytes at power-up: brown-out level, write protection.
     pub options: u32,
     /// Rate of the link's other end.
     pub baud: u64,
@@ -114,16 +114,16 @@ pub struct Around {
     pub patch: Patch,
 }
 
-/// The machine.
+/// The whole board as a model: processor, memory, peripherals, and their time.
 #[derive(Clone)]
 pub struct Machine {
-    /// Registers.
+    /// Registers and flags of the processor.
     pub cpu: Cpu,
-    /// Interrupt controller.
+    /// The interrupt controller, with what is pending and in work.
     pub nvic: Nvic,
     /// The processor's own registers.
     pub system: System,
-    /// Peripherals.
+    /// The peripherals, and the clocks that they have.
     pub parts: Parts,
     /// What is around the part.
     pub around: Around,
@@ -142,7 +142,7 @@ pub struct Machine {
     pub unit: u32,
     /// Cycles of the processor since power-up, by the static table.
     pub cycles: u64,
-    /// Instructions since power-up.
+    /// Instructions since power-up, with those of waiting that was passed over.
     pub instructions: u64,
     /// Sampling ticks since power-up.
     pub ticks: u64,
@@ -360,7 +360,7 @@ impl Machine {
         self.parts.gpio[0].driven(8) == Some(true)
     }
 
-    /// Cycles pass.
+    /// Lets `cycles` of the processor pass.
     #[inline(always)]
     pub(crate) fn spend(&mut self, cycles: u32) {
         self.cycles += u64::from(cycles);

@@ -5,13 +5,13 @@ use crate::machine::Machine;
 use crate::parts::Write;
 use crate::parts::flash::SIZE as FLASH_SIZE;
 
-/// Where flash begins.
+/// Address at which the flash begins.
 pub const FLASH: u32 = 0x0800_0000;
-/// Where RAM begins.
+/// Address at which the RAM begins.
 pub const RAM: u32 = 0x2000_0000;
 /// Its bytes: SRAM1 and SRAM2.
 pub const RAM_SIZE: usize = 128 * 1024;
-/// Its bytes.
+/// The bytes of the RAM.
 pub type Ram = [u8; RAM_SIZE];
 /// The debug block, in the processor's own space.
 const DBGMCU: u32 = 0xe004_2000;
@@ -72,7 +72,7 @@ impl Machine {
         }
     }
 
-    /// Loads `W` bytes.
+    /// Loads a number of `W` bytes: 1, 2 or 4.
     #[inline(always)]
     pub(crate) fn load<const W: usize>(&mut self, address: u32) -> Try<u32> {
         let at = address.wrapping_sub(RAM) as usize;

@@ -17,7 +17,7 @@ use crate::parts::interrupt;
 const WAIT_STATES: u64 = 5;
 /// The control task: the end of a half of the samples.
 pub const CONTROL: usize = FIRST + interrupt::DMA2[0];
-/// EXTI9_5.
+/// The emergency-stop chain's interrupt, EXTI9_5.
 const CHAIN: usize = FIRST + 23;
 
 /// The interrupts that the program uses, by their names in its table of tasks.
@@ -56,11 +56,11 @@ pub struct Profile {
     began: Option<Bounds>,
     pended: [Option<Bounds>; USED.len()],
     masked: [Option<Longest>; 16],
-    /// Cycles of the control task, from its first instruction to its return: longest, and their sum.
+    /// Cycles of the control task, from its first instruction to its return: longest.
     pub longest: Bounds,
-    /// Their sum.
+    /// Cycles of the control task over all its runs.
     pub sum: Bounds,
-    /// Blocks.
+    /// How often the control task has run: once per block.
     pub blocks: u64,
     /// From the control task's interrupt to its end: longest.
     pub response: Bounds,

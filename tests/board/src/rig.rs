@@ -31,7 +31,7 @@ pub const LEVEL_3: u32 = 0x0fff_aae1;
 /// As the part is delivered: BOR_LEV 11, off.
 pub const DELIVERED: u32 = 0x0fff_aaed;
 
-/// Ports by letter.
+/// Numbers of the ports, by their letters.
 pub mod port {
     #![allow(missing_docs)]
     pub const A: usize = 0;
@@ -82,18 +82,18 @@ pub struct Disturbance {
 /// What is done to the rig as soon as something holds, once.
 #[derive(Clone, Copy)]
 pub struct Trap {
-    /// What must hold.
+    /// What must hold of the board.
     pub when: fn(&Machine) -> bool,
-    /// What is done.
+    /// What is done to the rig then.
     pub then: fn(&mut Rig),
 }
 
 /// The board and the plant.
 #[derive(Clone)]
 pub struct Rig {
-    /// The board.
+    /// The board, on which the firmware runs.
     pub machine: Machine,
-    /// The plant.
+    /// The emulator's plant, with its sensors and drive.
     pub world: World,
     due: Peekable<std::vec::IntoIter<Due>>,
     /// When PA8 last rose, and how many changes have been looked at.

@@ -170,7 +170,7 @@ impl Machine {
         Ok(())
     }
 
-    /// One instruction.
+    /// Executes the next instruction.
     #[inline(always)]
     pub(crate) fn step(&mut self) -> Try {
         let pc = self.cpu.pc;

@@ -12,7 +12,7 @@ use crate::stop::Stop;
 
 /// Where the code of a program begins.
 const CODE: u32 = FLASH + 0x200;
-/// Its stack.
+/// Where the stack of a program begins.
 const STACK: u32 = RAM + 0x1000;
 /// `b .`, `bx lr`, `nop`.
 const HANG: u16 = 0xe7fe;
@@ -251,7 +251,7 @@ fn going_round(round: &[u16]) -> Machine {
     machine
 }
 
-/// The same with every instruction executed, and with waiting passed over; how many instructions were.
+/// How many instructions are not executed where waiting is passed over; all else must be as if they were.
 fn passed_over(round: &[u16]) -> u64 {
     let [executed, passed] = [false, true].map(|skips| {
         let mut machine = going_round(round);

@@ -78,7 +78,7 @@ struct Place {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Waiting {
     places: HashMap<u32, Place>,
-    /// Being written down.
+    /// The round that is being written down, if one is.
     pub open: Option<Box<Round>>,
 }
 

@@ -15,12 +15,12 @@ use shared::settings::Settings;
 /// Periods recorded: at 100 one contact more or less shows, and a mean is known to a tenth of its scatter.
 const PERIODS: usize = 100;
 
-/// What came out.
+/// What the controller sensed in a recording, and the recording.
 struct Seen {
     recording: Recording,
     pulses: Vec<Pulse>,
     strobes: Vec<Strobe>,
-    /// At every strobe.
+    /// The regime sensed at every strobe.
     measured: Vec<SensedRegime>,
     /// The observer's innovation at every strobe.
     health: Vec<f32>,

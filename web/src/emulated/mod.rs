@@ -123,7 +123,7 @@ struct Known {
     description: String,
 }
 
-/// The built-in scenarios.
+/// Name and description of every built-in scenario, as JSON.
 fn scenarios(_argument: &[u8]) -> Result<Vec<u8>, String> {
     let known = BUILTIN.iter().map(|(name, text)| {
         let scenario = scenario::parse(name, text, name).map_err(|e| e.to_string())?;
@@ -137,7 +137,7 @@ fn scenarios(_argument: &[u8]) -> Result<Vec<u8>, String> {
 
 #[derive(Deserialize)]
 struct Start {
-    /// A built-in scenario.
+    /// Name of a built-in scenario.
     name: String,
     /// Whether its events happen; without them the rig waits for what the page does.
     events: bool,

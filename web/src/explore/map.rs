@@ -13,7 +13,7 @@ struct Asked {
     rig: rig::RigAsked,
     /// Clearances over the cart's amplitude.
     gap_ratios: Vec<f64>,
-    /// Ω/ω.
+    /// Drive frequencies over the natural frequency, Ω/ω.
     frequency_ratios: Vec<f64>,
     /// Drive cycles of a cell.
     cycles: u32,

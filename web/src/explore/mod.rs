@@ -7,7 +7,7 @@ mod rig;
 
 use crate::Function;
 
-/// Its functions.
+/// The functions of the part "Explore" by their names.
 pub const FUNCTIONS: &[(&str, Function)] = &[
     ("explore.rig", rig::rig),
     ("explore.choices", rig::choices),

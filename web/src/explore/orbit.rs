@@ -81,7 +81,7 @@ impl Multipliers {
 
 #[derive(Serialize)]
 struct Found {
-    /// As `simulate` answers.
+    /// The run, as the command `simulate` answers.
     #[serde(flatten)]
     answer: RunAnswer,
     /// Of the periodic orbit that the run settled on, if it did and touches.

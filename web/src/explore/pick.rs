@@ -22,7 +22,7 @@ struct Asked {
 
 #[derive(Serialize)]
 struct Found<'a> {
-    /// As `pick` answers.
+    /// The recommendation, as the command `pick` answers.
     #[serde(flatten)]
     answer: WordedPick<'a>,
     /// The nominal stable 1/1: Hz and force ratio.

@@ -9,7 +9,7 @@ use shared::model::params::PRESETS;
 
 use crate::json::{read, write};
 
-/// Which rig.
+/// The rig as the page names it.
 #[derive(Clone, Debug, Deserialize)]
 pub struct RigAsked {
     /// A preset's name, or the name of the file whose text is given.

@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use serde::Serialize;
 use shared::settings::{Detection, TICK_S};
 
-/// A tick, s.
+/// Length of a control tick, s.
 const TICK: f32 = TICK_S as f32;
 
-/// Blows kept.
+/// So many of the last blows are kept.
 const KEPT: usize = 200;
 
 /// Share of the cart's last amplitude by which it must have been below the middle before a passage counts.
@@ -19,9 +19,9 @@ const BELOW: f32 = 0.1;
 pub struct MeasuredBlow {
     /// When it began, s since the scope's first tick.
     pub time_s: f64,
-    /// Largest force, N.
+    /// Largest measured force of the blow, N.
     pub peak_n: f32,
-    /// ∫F dt, N·s.
+    /// Impulse ∫F dt while the force was above the one that ends a blow, N·s.
     pub impulse_n_s: f32,
     /// Of the cart's measured motion: 0 where it passes the middle towards positive; none: it does not move.
     pub phase_deg: Option<f64>,
@@ -70,7 +70,7 @@ impl Cart {
 }
 
 impl Blows {
-    /// None yet.
+    /// No blow yet, to be found by the forces and the time of `detection`.
     pub fn new(detection: &Detection) -> Self {
         Self {
             detection: *detection,

@@ -66,7 +66,7 @@ impl Scope {
         self.gaps
     }
 
-    /// Ticks in them.
+    /// Ticks missing in the gaps so far.
     pub fn lost_ticks(&self) -> u64 {
         self.lost
     }

@@ -176,7 +176,7 @@ struct Spectrum {
     max_hz: f64,
 }
 
-/// See [`Scope::spectrum`].
+/// The spectrum of a signal as packed floats: see [`Scope::spectrum`].
 fn spectrum(argument: &[u8]) -> Result<Vec<u8>, String> {
     let Spectrum { signal, max_hz } = read(argument)?;
     with(|open| Ok(floats(&open.scope.spectrum(signal, max_hz))))
@@ -189,7 +189,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
         .collect()
 }
 
-/// The last blows.
+/// The last blows, oldest first, as JSON.
 fn blows(_argument: &[u8]) -> Result<Vec<u8>, String> {
     with(|open| {
         let blows: Vec<_> = open.scope.blows().collect();

@@ -12,7 +12,7 @@ use super::overlaid;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PageWanted {
-    /// Versions and names.
+    /// The protocol's version, and the names of the board and its firmware.
     Hello,
     /// What the controller is doing.
     Status,
@@ -22,15 +22,15 @@ pub enum PageWanted {
     Board,
     /// Status messages, every so many ticks.
     Telemetry {
-        /// 0: none.
+        /// Control ticks from one status message to the next; 0: no more messages.
         decimation: u32,
     },
     /// Every tick, or no more.
     Frames {
-        /// Whether.
+        /// Whether every tick is wanted from now on.
         on: bool,
     },
-    /// The session.
+    /// Takes the session, without which nothing but a stop is obeyed.
     Open {
         /// As the board said.
         boot: u32,
@@ -39,25 +39,25 @@ pub enum PageWanted {
         /// From who has it.
         take_over: bool,
     },
-    /// The session ends.
+    /// Gives the session back.
     Release,
     /// A sign of life.
     Alive,
-    /// Ramp down.
+    /// Ramp down and go idle; needs no session.
     Stop,
     /// Start, by itself or by hand.
     Start {
-        /// By hand.
+        /// Whether it follows set-points; otherwise it seeks and holds by itself.
         manual: bool,
     },
     /// By hand: frequency and amplitude.
     SetPoint {
-        /// Hz.
+        /// Drive frequency, Hz.
         frequency_hz: f32,
-        /// mm.
+        /// Amplitude of the cart, mm.
         amplitude_mm: f32,
     },
-    /// Clear the fault.
+    /// Clear the fault once its cause has gone.
     ClearFault,
     /// Confirm the older copy of the settings.
     Confirm,

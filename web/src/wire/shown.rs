@@ -22,7 +22,7 @@ pub struct Heard {
     pub dropped_by_board: u32,
     /// Gaps in the recorded ticks, and ticks in them.
     pub gaps: u32,
-    /// Ticks in them.
+    /// Ticks missing in those gaps.
     pub lost_ticks: u64,
     /// Length of the recording, s.
     pub recorded_s: Option<f64>,

@@ -55,7 +55,7 @@ impl Files {
         Ok(())
     }
 
-    /// The paths, sorted.
+    /// The paths of the files, sorted.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(String::as_str)
     }

@@ -42,7 +42,7 @@ impl DistPlan {
     }
 }
 
-/// Does it.
+/// Builds and tries what is handed out, or packs and checks what was built.
 pub fn run(plan: &DistPlan, build: &Build) -> JobResult {
     match plan {
         DistPlan::Whole => whole(),

@@ -18,7 +18,7 @@ pub struct Bundle {
     programs: &'static str,
 }
 
-/// The emulator.
+/// QEMU, which emulates the microcontroller.
 pub const QEMU: Bundle = Bundle {
     name: "qemu",
     packages: "qemu-system-arm",
@@ -47,7 +47,7 @@ pub const CHROMIUM: Bundle = Bundle {
     programs: "lib/chromium/chromium-headless-shell",
 };
 
-/// Every tool's folder.
+/// The folder below which every tool is unpacked.
 pub fn tools() -> PathBuf {
     root().join("target/tools")
 }

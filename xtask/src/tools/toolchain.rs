@@ -161,7 +161,7 @@ impl Toolchain {
         self.cargo_for(TARGET, subcommand, "core", "target/thumb")
     }
 
-    /// The same for a browser. The module needs 128-bit vectors, which every browser since 2023 has.
+    /// `cargo SUBCOMMAND` for a browser. The module needs 128-bit vectors, which every browser since 2023 has.
     pub fn wasm_cargo(&self, subcommand: &str) -> Command {
         let mut command = self.cargo_for(WASM, subcommand, "std,panic_abort", "target/wasm");
         command.env(

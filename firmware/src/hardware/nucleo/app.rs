@@ -72,7 +72,7 @@ mod app {
         board::acknowledge_chain();
     }
 
-    /// The supply drops.
+    /// The supply drops: the enable goes low; if the drive was on, a record and a reset follow.
     #[task(binds = PVD, priority = 4)]
     fn supply(_: supply::Context) {
         board::supply_dropped();

@@ -33,7 +33,7 @@ impl BlockMonitor {
         started
     }
 
-    /// Serves the interrupt.
+    /// Serves the interrupt: asks for the control task if the guard finds no blocks served.
     #[inline]
     pub fn check(&mut self) {
         self.timer.clear_flags(Flag::Update);

@@ -31,7 +31,7 @@ use stm32f4xx_hal::{
 
 /// The first sector's offset in flash.
 const OFFSET: u32 = 0x4000;
-/// Its number.
+/// The first sector's number.
 const FIRST_SECTOR: u8 = 1;
 /// Bytes of a sector.
 const SECTOR: u32 = 0x4000;

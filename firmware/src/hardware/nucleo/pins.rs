@@ -21,17 +21,17 @@ pub fn disable() {
     gpioa.bsrr().write(|w| w.br8().set_bit());
 }
 
-/// The enable's pin.
+/// The pin of the drive's enable line, PA8.
 pub struct EnablePin(pub(super) PA8<Output>);
 
 impl EnablePin {
-    /// Raises it.
+    /// Raises the enable line.
     #[inline]
     pub fn set_high(&mut self) {
         self.0.set_high();
     }
 
-    /// Lowers it.
+    /// Pulls the enable line low.
     #[inline]
     pub fn set_low(&mut self) {
         self.0.set_low();
@@ -71,7 +71,7 @@ pub struct Reports {
 }
 
 impl Reports {
-    /// Their levels.
+    /// The reports now: each is true while its line is closed to ground.
     #[inline]
     pub fn read(&self) -> Inputs {
         Inputs {
@@ -81,11 +81,11 @@ impl Reports {
     }
 }
 
-/// The user LED.
+/// The user LED on PA5.
 pub struct LedPin(pub(super) PA5<Output>);
 
 impl LedPin {
-    /// On or off.
+    /// Switches the LED on or off.
     #[inline]
     pub fn set(&mut self, on: bool) {
         self.0
@@ -93,7 +93,7 @@ impl LedPin {
     }
 }
 
-/// The user button.
+/// The user button on PC13.
 pub struct ButtonPin(pub(super) PC13<Input>);
 
 impl ButtonPin {

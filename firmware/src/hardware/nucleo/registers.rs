@@ -10,10 +10,10 @@ const RCC_CR: u32 = 0x010d_0000;
 const RCC_CFGR: u32 = 0xfcf3;
 const ADC_CR2: u32 = 0x3f00_0f03;
 
-/// Their values.
+/// Values of the registers that the set-up alone writes; of RCC_CR, RCC_CFGR and ADC1_CR2 certain bits.
 pub type Registers = [u32; 48];
 
-/// Reads them.
+/// Reads these registers, without side effect.
 pub fn read() -> Registers {
     // SAFETY: reads without side effect.
     unsafe {

@@ -37,7 +37,7 @@ use stm32f4xx_hal::{
 use crate::hardware::tasks::blocks::{Arrived, Half};
 use crate::{BLOCK_TICKS, reference};
 
-/// Force, hammer, cart.
+/// Channels of a scan: force, hammer, cart.
 const CHANNELS: usize = 3;
 /// Samples of both halves.
 const SAMPLES: u16 = (2 * BLOCK_TICKS * CHANNELS) as u16;
@@ -66,7 +66,7 @@ static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]))
 /// Pins of the three sensors.
 pub type SensorPins = (PA0<Analog>, PA1<Analog>, PB0<Analog>);
 
-/// The sampling chain.
+/// The sampling chain: TIM2, ADC1 and DMA2, and the watch over the reference.
 pub struct AdcSampler {
     timer: pac::TIM2,
     dma: pac::DMA2,

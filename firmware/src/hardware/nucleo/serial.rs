@@ -36,7 +36,7 @@ unsafe impl<const N: usize> Sync for Shared<N> {}
 static RECEIVED: Shared<RECEIVE> = Shared(UnsafeCell::new([0; RECEIVE]));
 static SENDING: Shared<CHUNK> = Shared(UnsafeCell::new([0; CHUNK]));
 
-/// The wire.
+/// The link's wire: USART2, with DMA either way.
 pub struct Serial {
     usart: pac::USART2,
     dma: pac::DMA1,

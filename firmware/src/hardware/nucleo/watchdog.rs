@@ -14,7 +14,7 @@
 
 use stm32f4xx_hal::pac;
 
-/// Nominal period, ms.
+/// Nominal time without feeding after which the board is reset, ms.
 pub const PERIOD_MS: u16 = 2_000;
 /// PR: the LSI's 32 kHz divided by 16 counts half milliseconds.
 const BY_16: u8 = 2;

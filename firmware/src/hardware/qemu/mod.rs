@@ -42,7 +42,7 @@ const SYSTICK_MASK: u32 = 0x00ff_ffff;
 pub struct SysTickStopwatch(());
 
 impl SysTickStopwatch {
-    /// Starts counting.
+    /// Starts SysTick on the processor's clock, as a stopwatch.
     pub fn start(mut systick: SYST) -> Self {
         systick.set_clock_source(SystClkSource::Core);
         systick.set_reload(SYSTICK_MASK);
@@ -51,7 +51,7 @@ impl SysTickStopwatch {
         Self(())
     }
 
-    /// Now, in counts.
+    /// SysTick's count now; it counts down and wraps.
     #[inline]
     pub fn now(&self) -> u32 {
         SYST::get_current()

@@ -20,7 +20,7 @@ const BUFFER: usize = LENGTH + MAX_MESSAGE;
 const READ: usize = 1;
 const WRITE: usize = 5;
 
-/// The two pipes.
+/// The two pipes to the emulator: requests in, replies out.
 pub struct Pipes {
     requests: usize,
     replies: usize,

@@ -22,7 +22,7 @@ static LOOKS: AtomicU32 = AtomicU32::new(0);
 /// Looks, one per millisecond, between two turns of the link, and of the supervisor, at most.
 const PATIENCE: u8 = 100;
 
-/// Both halves.
+/// Both halves of the ring, in its order.
 pub const HALVES: [Half; 2] = [Half(0), Half(1)];
 
 /// One half of the ring: which of the two the DMA has just filled. The set-points worked out from it go
@@ -38,7 +38,7 @@ impl Half {
         Self(usize::from(left > samples / 2))
     }
 
-    /// 0 or 1.
+    /// Which half of the ring, 0 or 1.
     #[inline]
     pub fn index(self) -> usize {
         self.0 & 1

@@ -43,7 +43,7 @@ pub struct Enable {
 }
 
 impl Enable {
-    /// Low.
+    /// The enable line, pulled low.
     pub fn new(mut pin: EnablePin) -> Self {
         pin.set_low();
         Self {

@@ -31,7 +31,7 @@ impl Default for Forecasts {
 }
 
 impl Forecasts {
-    /// A slice.
+    /// A turn of the idle loop: takes a request that waits, computes a slice, delivers a forecast that is done.
     #[inline]
     pub fn turn(
         &mut self,

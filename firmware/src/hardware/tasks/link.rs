@@ -36,7 +36,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// Nothing sent yet.
+    /// The link's state at the start: no session, nothing sent yet.
     pub(super) fn new(
         serial: board::Serial,
         timer: board::LinkTimer,

@@ -46,19 +46,19 @@ pub struct Board {
     pub set_points: board::SetPoints,
     /// The drive's enable line; a board that must not drive has none to give.
     pub enable: Option<board::EnablePin>,
-    /// The emergency-stop chain.
+    /// The input of the emergency-stop chain.
     pub chain: board::ChainPin,
     /// Checks that blocks are being served.
     pub block_monitor: board::BlockMonitor,
-    /// The link's wire.
+    /// The link's serial port.
     pub serial: board::Serial,
     /// Ticks the link task.
     pub link_timer: board::LinkTimer,
     /// The storage of the settings.
     pub store: board::FlashStore,
-    /// Shows the state.
+    /// The LED that shows the state.
     pub led: board::LedPin,
-    /// Starts and stops.
+    /// The button that starts, stops, acknowledges and clears.
     pub button: board::ButtonPin,
     /// Bench mode is asked for.
     pub bench_asked: bool,

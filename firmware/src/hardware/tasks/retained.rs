@@ -51,9 +51,9 @@ fn words() -> *mut Words {
 
 /// What the last run left. To be read once, before anything new is written.
 pub struct LastRun {
-    /// Its last fault.
+    /// The record of its last fault; `None` if there is none, or none that is whole.
     pub record: Option<FaultRecord>,
-    /// Its crash.
+    /// Where and how it crashed; `None` if it did not.
     pub crash: Option<Crash>,
     /// Whether the drive was enabled when it ended.
     pub driving: bool,

@@ -14,13 +14,13 @@ use crate::{bench::Bench, hardware::board, recorder::ControlRecorder};
 pub struct Tasks {
     /// The controller, shared by all of them.
     pub recorder: ControlRecorder,
-    /// Of the control task.
+    /// What the control task owns.
     pub control: Control,
-    /// Of the guard above it.
+    /// The guard above the control task.
     pub block_monitor: board::BlockMonitor,
-    /// Of the link task.
+    /// What the link task owns.
     pub link: Link,
-    /// Of the supervisor.
+    /// What the supervisor owns.
     pub supervisor: Supervisor,
 }
 

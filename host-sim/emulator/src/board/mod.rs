@@ -22,7 +22,7 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 /// Blocks buffered until they are taken: two seconds of blocks of ten.
 const KEPT: usize = 4000;
 
-/// An emulated board.
+/// A board without hardware: controller and forecast in lock-step, and the link's view of them ([`Device`]).
 #[derive(Clone, Debug)]
 pub struct EmulatedBoard {
     lockstep: Lockstep,
@@ -53,7 +53,7 @@ impl EmulatedBoard {
         })
     }
 
-    /// Controller and forecast.
+    /// Controller and forecast, which advance together block by block.
     pub fn lockstep(&mut self) -> &mut Lockstep {
         &mut self.lockstep
     }

@@ -35,7 +35,7 @@ impl<W: Read + Write> Served<W> {
         })
     }
 
-    /// The stream.
+    /// The stream over which the link goes.
     pub fn wire(&mut self) -> &mut W {
         &mut self.wire
     }

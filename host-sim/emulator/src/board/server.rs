@@ -16,7 +16,7 @@ pub struct BoardSession {
 }
 
 impl BoardSession {
-    /// Nothing heard yet.
+    /// A session in which nothing has been received yet.
     pub fn new() -> Self {
         Self::default()
     }

@@ -23,7 +23,6 @@ pub(super) const FORMAT: &str = "vibro-impact run ";
 /// Where a column has values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fill {
-    /// At every tick.
     Tick,
     /// At every tick of an emulated run, nowhere in a board's recording.
     Truth,

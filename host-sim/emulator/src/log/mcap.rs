@@ -321,7 +321,7 @@ impl McapWriter {
     }
 }
 
-/// Levels of `foxglove.Log`.
+/// Severities of a `foxglove.Log` message.
 const INFORMATION: u8 = 2;
 const ERROR: u8 = 4;
 

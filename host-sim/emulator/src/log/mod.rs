@@ -59,7 +59,7 @@ pub struct Header {
 /// An input of the controller beside its samples, given before a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LogInput {
-    /// A command.
+    /// A command was given; in a board's recording only one that was obeyed.
     Command(Command),
     /// New settings, in Idle.
     Settings(Settings),
@@ -101,7 +101,7 @@ impl Samples {
 /// What was true at a tick; known to the emulator alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Contact force, N.
+    /// Contact force between hammer and surface, N.
     pub force_n: f64,
     /// Hammer displacement, fixed frame, m.
     pub hammer_m: f64,
@@ -109,7 +109,7 @@ pub struct Truth {
     pub cart_m: f64,
 }
 
-/// One control tick.
+/// One control tick: what the controller was given, what it put out, and what was true.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LogTick {
     /// The samples the controller was given.

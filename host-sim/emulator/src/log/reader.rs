@@ -26,7 +26,7 @@ pub struct Logged {
     pub forecast: Option<bool>,
     /// Slices of forecast after the block, if they were counted.
     pub slices: Option<u32>,
-    /// The ticks.
+    /// The block's ticks in order.
     pub ticks: Vec<LogTick>,
     /// The state after the block, if it was known.
     pub state: Option<String>,
@@ -35,7 +35,7 @@ pub struct Logged {
     pub status: Option<Vec<StatusCell>>,
 }
 
-/// Reads a log.
+/// Reads a run's Parquet log from its beginning, one block at a time.
 pub struct LogReader {
     path: PathBuf,
     file: columns::ParquetReader,

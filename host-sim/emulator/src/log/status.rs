@@ -12,13 +12,13 @@ use crate::names::{basin_name, state_name};
 /// One value of a status.
 #[derive(Clone, Debug)]
 pub enum StatusCell {
-    /// Not there.
+    /// No value: that of a fault where there is none, or of a cell that was left empty.
     Null,
     /// A count, a tick, bits.
     Int(i64),
     /// A number in SI units, as the controller has it.
     Float(f32),
-    /// A name.
+    /// A name (of a state, a sensor, a basin), several (faults), or a regime.
     Text(Cow<'static, str>),
 }
 

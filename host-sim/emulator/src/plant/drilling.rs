@@ -6,7 +6,7 @@ use super::Plant;
 use crate::ground::PlantGround;
 
 impl Plant {
-    /// The same on ground that gives way, in flight.
+    /// This plant, which must be in flight, on ground that gives way; none: on the rig's own surface.
     #[must_use]
     pub fn on_ground(mut self, ground: Option<PlantGround>) -> Self {
         self.bodies.ground = ground;

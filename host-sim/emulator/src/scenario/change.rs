@@ -19,7 +19,7 @@ pub struct RigChange {
     pub contact_stiffness_percent: f64,
     /// Contact damping (ci, or λ), % more.
     pub contact_damping_percent: f64,
-    /// Clearance, mm more.
+    /// Clearance added to the rig's gap, mm; may be negative.
     pub gap_offset_mm: f64,
     /// Newton's coefficient of restitution that the surface comes to have: of the hammer against a wall.
     pub restitution: Option<f64>,

@@ -16,14 +16,14 @@ use crate::shaker::ShakerParams;
 /// Longest run, s: the tick counter of the controller wraps after 2.5 days.
 pub(super) const LONGEST_S: f64 = 2.0 * 86_400.0;
 
-/// A scenario, checked.
+/// A scenario whose numbers have been checked: rig, settings, hardware, events, and what the run must end in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// Its name.
+    /// Name of the scenario, which the verdict repeats.
     pub name: String,
     /// What it is for, in a sentence.
     pub description: String,
-    /// Rig time, s.
+    /// Length of the run, s of rig time.
     pub duration_s: f64,
     /// Seed of the noise.
     pub seed: u64,
@@ -39,7 +39,7 @@ pub struct Scenario {
     pub settings: Settings,
     /// Why the controller is not told the shaker's position loop, where its settings do not take it.
     pub loop_left_out: Option<ParamError>,
-    /// The shaker.
+    /// The shaker that moves the cart, unless its motion is prescribed or a motor moves it.
     pub shaker: ShakerParams,
     /// Whether the cart follows its set-point whatever force that takes.
     pub prescribed: bool,
@@ -49,7 +49,7 @@ pub struct Scenario {
     pub mounting: Mounting,
     /// Ground that gives way, in place of the true rig's contact.
     pub ground: Option<PlantGround>,
-    /// The sensors.
+    /// Errors of the sensors, their filters, and the ringing of the surface.
     pub sensors: SensorParams,
     /// What happens, by rising time.
     pub events: Vec<Timed>,

@@ -20,7 +20,7 @@ use files::UserError;
 pub struct Timed {
     /// When, s of rig time.
     pub at_s: f64,
-    /// What.
+    /// What happens then.
     pub act: ScenarioAct,
 }
 
@@ -31,7 +31,7 @@ pub enum StartMode {
     /// It seeks and holds by itself.
     #[default]
     Automatic,
-    /// Set-points.
+    /// It follows the set-points that it is given.
     Manual,
 }
 
@@ -77,9 +77,9 @@ pub enum ScenarioAct {
     Acknowledge {},
     /// A set-point for manual mode.
     SetPoint {
-        /// Hz.
+        /// Drive frequency, Hz.
         frequency_hz: f64,
-        /// mm.
+        /// Amplitude of the cart, mm.
         amplitude_mm: f64,
     },
     /// From now on the link is in command and sends its keep-alive twice a second.
@@ -91,7 +91,7 @@ pub enum ScenarioAct {
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
     },
-    /// Sensors go wrong.
+    /// One or more sensors become defective.
     SensorFault(SensorFault),
     /// The hammer is pushed.
     Push {
@@ -100,7 +100,7 @@ pub enum ScenarioAct {
     },
     /// The control task overruns before each of so many blocks.
     Overrun {
-        /// Blocks.
+        /// How many blocks are hit; 1 if left out.
         #[serde(default = "once")]
         blocks: u32,
         /// One block in so many.
@@ -109,14 +109,14 @@ pub enum ScenarioAct {
     },
     /// Blocks of samples are lost.
     LostBlock {
-        /// Blocks.
+        /// How many blocks are lost; 1 if left out.
         #[serde(default = "once")]
         blocks: u32,
         /// One block in so many.
         #[serde(default = "once")]
         every: u32,
     },
-    /// The rig changes.
+    /// The true rig changes steadily into another.
     Drift {
         /// In so long, s.
         over_s: f64,
@@ -129,7 +129,7 @@ pub enum ScenarioAct {
         /// Contact damping, % more.
         #[serde(default)]
         contact_damping_percent: f64,
-        /// Clearance, mm more.
+        /// Clearance added to the gap, mm; may be negative.
         #[serde(default)]
         gap_offset_mm: f64,
         /// Restitution that the surface comes to have.
@@ -170,14 +170,14 @@ pub enum ScenarioAct {
         coulomb_n: Option<f64>,
         /// Before it slides, N.
         static_n: Option<f64>,
-        /// Per speed, N·s/m.
+        /// Viscous friction per speed of the cart, N·s/m.
         viscous_n_s_per_m: Option<f64>,
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
     },
     /// The controller is reset.
     Reset {
-        /// By what.
+        /// Why it is reset, which it finds out when it starts.
         cause: Reset,
     },
 }

@@ -95,7 +95,7 @@ numbers!(Trips {
     link_timeout_s,
 });
 
-/// The table `[aim]`.
+/// The table `[aim]`: the mean peak force to reach, and whether to seek the most power, not the strongest contact.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Aim {
@@ -320,7 +320,7 @@ fn in_the_file_s_units(settings: &Settings, error: ParamError) -> UserError {
     }
 }
 
-/// The table `[expect]`.
+/// The table `[expect]`: what the run must end in, and bounds on its force, times and counts.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Expected {

@@ -14,7 +14,7 @@ use files::UserError;
 /// How far a rig may be tilted, degrees.
 pub const TILT_DEG: (f64, f64) = (-10.0, 10.0);
 
-/// The table `[shaker]`.
+/// The table `[shaker]`: position loop, largest force, amplifier, suspension and armature.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShakerTable {
@@ -34,7 +34,7 @@ pub struct ShakerTable {
     armature_damping_ratio: Option<f64>,
 }
 
-/// The table `[cart]`.
+/// The table `[cart]`: friction of its guide, end stops, and tilt of the rig.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CartTable {
@@ -47,7 +47,7 @@ pub struct CartTable {
     tilt_deg: Option<f64>,
 }
 
-/// The table `[motor]`.
+/// The table `[motor]`: a motor with a crank in place of the shaker.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorTable {
@@ -60,7 +60,7 @@ pub struct MotorTable {
     coast_s: Option<f64>,
 }
 
-/// The table `[sensors]`.
+/// The table `[sensors]`: noise, offsets, gains, filters, ringing, and defects from the start.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorsTable {

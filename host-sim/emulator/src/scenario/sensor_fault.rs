@@ -6,19 +6,19 @@ use shared::settings::TICK_S;
 use crate::sensors::{BadContactEnd, Defect, EmulatedSensor};
 use files::UserError;
 
-/// Which sensors.
+/// The sensors that a fault strikes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Which {
-    /// Contact force.
+    /// The sensor of the contact force.
     Force,
-    /// Hammer displacement.
+    /// The sensor of the hammer's displacement.
     Hammer,
-    /// Cart displacement.
+    /// The sensor of the cart's displacement.
     Cart,
-    /// Both displacements.
+    /// The displacement sensors of hammer and cart.
     Displacements,
-    /// All three.
+    /// All three sensors.
     All,
 }
 
@@ -52,7 +52,7 @@ pub enum SensorDefect {
     Saturated,
     /// It is at its lower rail.
     SaturatedLow,
-    /// Its code stays.
+    /// Its code stays at the last value.
     Frozen,
     /// Its gain is wrong by `times`.
     Gain,
@@ -82,7 +82,7 @@ pub enum SensorDefect {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorFault {
-    /// Which sensors.
+    /// The sensors that the fault strikes.
     pub sensor: Which,
     /// What is wrong with them.
     pub fault: SensorDefect,
@@ -110,9 +110,9 @@ pub struct SensorFault {
     pub delay_ms_per_s: Option<f64>,
     /// Ticks at an end.
     pub ticks: Option<u32>,
-    /// Of so many.
+    /// Length of the bad contact's cycle, ticks: of so many, `ticks` are at an end.
     pub of: Option<u32>,
-    /// At which end.
+    /// Where a bad contact pulls the signal; left out: as an open wire does.
     pub at: Option<BadContactEnd>,
 }
 

@@ -66,11 +66,11 @@ pub enum Defect {
     Swapped,
     /// A bad contact: so many ticks of each so many, the signal is at an end.
     Intermittent {
-        /// Where.
+        /// Where the bad contact pulls the signal.
         at: BadContactEnd,
-        /// Ticks.
+        /// How long the signal is there in each cycle, ticks.
         ticks: u32,
-        /// Of so many.
+        /// Length of the cycle, ticks.
         of: u32,
     },
 }
@@ -80,7 +80,7 @@ pub enum Defect {
 struct Active {
     id: usize,
     defect: Defect,
-    /// Ticks read since.
+    /// Ticks read since the defect came.
     age: u64,
     /// Values on their way, of a delayed sensor.
     waiting: VecDeque<f64>,

@@ -293,7 +293,7 @@ pub struct LongRow {
     pub force_over_hammer_gain: f64,
     /// Mean true force from the first Hold to the end or the trip, over the mean of the drifting rig's optimum at A0.
     pub force_share: Option<f64>,
-    /// The same over the optimum at the amplitude that the cart's sensor makes of A0.
+    /// As `force_share`, over the optimum at the amplitude that the cart's sensor makes of A0.
     pub force_share_at_amplitude: Option<f64>,
     /// Times 1/1 was lost and sought again.
     pub reseeks: u16,
@@ -304,7 +304,7 @@ pub struct LongRow {
 /// All long trials together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Campaign {
-    /// Number of trials.
+    /// How many trials there were.
     pub trials: usize,
     /// How many ran to the end without a trip.
     pub without_trip: usize,
@@ -320,15 +320,15 @@ pub struct Campaign {
     pub hold_median_s: Option<f64>,
     /// The last, s. None: one never held.
     pub hold_last_s: Option<f64>,
-    /// Smallest share of the time in Hold from the first Hold on. None: one never held.
+    /// Smallest share of the time in Hold from the first Hold on; 0 if a trial never held.
     pub hold_share_worst: Option<f64>,
     /// Median share of the optimum's force at the amplitude as read.
     pub share_median: Option<f64>,
-    /// The smallest.
+    /// Smallest share of the optimum's force at the amplitude as read; 0 if a trial never held.
     pub share_worst: Option<f64>,
     /// The trial that has it.
     pub share_worst_trial: Option<u32>,
-    /// Its rig.
+    /// The rig of that trial.
     pub share_worst_rig: Option<String>,
     /// The smallest at A0.
     pub share_at_a0_worst: Option<f64>,

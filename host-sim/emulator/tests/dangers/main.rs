@@ -13,7 +13,7 @@ mod lies;
 mod limits;
 mod rig;
 
-/// What truly happened.
+/// What truly happened in a run; its observer.
 #[derive(Debug, Default)]
 struct Truth {
     /// Faults, with the time at which they were reported, s.
@@ -91,17 +91,17 @@ fn truth(duration_s: f64, tables: &str) -> Truth {
     truth_of("wires", duration_s, tables)
 }
 
-/// The same of another rig.
+/// What a scenario of the preset `rig` with 1 % noise comes to; `tables` are added to it.
 fn truth_of(rig: &str, duration_s: f64, tables: &str) -> Truth {
     truth_seeded(rig, 7, duration_s, tables)
 }
 
-/// The same with noise of this seed.
+/// What a scenario of `rig` with 1 % noise from `seed` comes to.
 fn truth_seeded(rig: &str, seed: u32, duration_s: f64, tables: &str) -> Truth {
     truth_noisy(rig, 1.0, seed, duration_s, tables)
 }
 
-/// The same with so much noise, %.
+/// What a scenario of `rig` with `noise` % noise from `seed` comes to.
 fn truth_noisy(rig: &str, noise: f64, seed: u32, duration_s: f64, tables: &str) -> Truth {
     truth_told(&format!(
         "duration_s = {duration_s:?}\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\n{tables}"

@@ -10,15 +10,15 @@ use super::{ColumnField, ColumnKind};
 /// Values of one kind, without the rows that lack one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColumnValues {
-    /// [`ColumnKind::Flag`].
+    /// Values of a [`ColumnKind::Flag`] column.
     Flag(Vec<bool>),
-    /// [`ColumnKind::Int`].
+    /// Values of a [`ColumnKind::Int`] column.
     Int(Vec<i32>),
-    /// [`ColumnKind::Long`].
+    /// Values of a [`ColumnKind::Long`] column.
     Long(Vec<i64>),
-    /// [`ColumnKind::Float`].
+    /// Values of a [`ColumnKind::Float`] column.
     Float(Vec<f32>),
-    /// [`ColumnKind::Text`] and [`ColumnKind::Bytes`].
+    /// Values of a [`ColumnKind::Text`] or [`ColumnKind::Bytes`] column; text is UTF-8.
     Bytes(Vec<ByteArray>),
 }
 
@@ -60,17 +60,17 @@ impl ColumnValues {
 /// A value on its way into a column.
 #[derive(Clone, Copy, Debug)]
 pub enum ColumnValue<'a> {
-    /// For [`ColumnKind::Flag`].
+    /// A value of a [`ColumnKind::Flag`] column.
     Flag(bool),
-    /// For [`ColumnKind::Int`].
+    /// A value of a [`ColumnKind::Int`] column.
     Int(i32),
-    /// For [`ColumnKind::Long`].
+    /// A value of a [`ColumnKind::Long`] column.
     Long(i64),
-    /// For [`ColumnKind::Float`].
+    /// A value of a [`ColumnKind::Float`] column.
     Float(f32),
-    /// For [`ColumnKind::Text`].
+    /// A value of a [`ColumnKind::Text`] column.
     Text(&'a str),
-    /// For [`ColumnKind::Bytes`].
+    /// A value of a [`ColumnKind::Bytes`] column.
     Bytes(&'a [u8]),
 }
 
@@ -113,7 +113,7 @@ impl Column {
         }
     }
 
-    /// What it holds.
+    /// Kind of the column's values.
     pub fn kind(&self) -> ColumnKind {
         self.kind
     }
@@ -174,7 +174,7 @@ impl Column {
         Ok(())
     }
 
-    /// Removes all rows.
+    /// Removes all rows, so that those of the next row group can be put in.
     pub fn clear(&mut self) {
         self.present.clear();
         each!(&mut self.values, all => all.clear());

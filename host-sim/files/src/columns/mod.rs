@@ -25,17 +25,17 @@ pub const PROGRAM: &str = concat!("host-sim ", env!("CARGO_PKG_VERSION"));
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
-    /// BOOLEAN.
+    /// Yes or no: Parquet's BOOLEAN.
     Flag,
-    /// INT32.
+    /// Integers of 32 bits: Parquet's INT32.
     Int,
-    /// INT64.
+    /// Integers of 64 bits: Parquet's INT64.
     Long,
-    /// FLOAT.
+    /// Numbers of single precision (f32): Parquet's FLOAT.
     Float,
     /// BYTE_ARRAY that is UTF-8.
     Text,
-    /// BYTE_ARRAY.
+    /// Bytes without a meaning of their own: Parquet's BYTE_ARRAY.
     Bytes,
 }
 
@@ -55,7 +55,7 @@ pub enum Packing {
 pub struct ColumnField {
     /// Its name, with the unit.
     pub name: Cow<'static, str>,
-    /// What it holds.
+    /// Kind of its values.
     pub kind: ColumnKind,
     /// Whether a row may lack a value.
     pub optional: bool,

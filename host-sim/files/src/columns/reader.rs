@@ -21,7 +21,7 @@ const MOST_BYTES: i64 = 1 << 30;
 /// Reads a Parquet file.
 pub struct ParquetReader {
     file: SerializedFileReader<File>,
-    /// The same file, for its check sums.
+    /// A second handle of the file, from which its check sums are computed.
     raw: File,
     checks: Option<Checks>,
     bytes: u64,

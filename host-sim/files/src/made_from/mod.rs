@@ -25,9 +25,9 @@ pub const KEY: &str = "made_from";
 /// What an answer was made from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MadeFrom {
-    /// The program.
+    /// Name of the program that gave the answer.
     pub program: String,
-    /// Its version.
+    /// Version of that program.
     pub version: String,
     /// The command line that makes it again: what was given, without the options that only say where and how to
     /// answer.
@@ -68,9 +68,9 @@ pub struct RigUsed {
 pub struct InputFile {
     /// Its path as it was given.
     pub file: String,
-    /// Its length.
+    /// Length of the file, bytes.
     pub bytes: u64,
-    /// CRC-32, hexadecimal.
+    /// CRC-32 of its bytes, hexadecimal.
     pub crc32: String,
 }
 
@@ -84,7 +84,7 @@ impl MadeFrom {
         }
     }
 
-    /// The same with these rigs.
+    /// Replaces the rigs by these.
     #[must_use]
     pub fn with_rigs<'a>(mut self, rigs: impl IntoIterator<Item = &'a NamedRig>) -> Self {
         self.rigs = rigs.into_iter().map(RigUsed::from).collect();

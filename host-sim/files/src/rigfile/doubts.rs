@@ -5,7 +5,7 @@ use shared::model::params::{RigParams, SupportParams};
 
 /// A hammer heavier than this, kg, was probably weighed in grams.
 const HEAVY_HAMMER_KG: f64 = 50.0;
-/// The same for a cart.
+/// A cart heavier than this, kg, was probably weighed in grams.
 const HEAVY_CART_KG: f64 = 2_000.0;
 /// An amplitude smaller than this, mm, was probably measured in metres.
 const SMALL_AMPLITUDE_MM: f64 = 0.01;

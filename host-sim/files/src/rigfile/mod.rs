@@ -48,7 +48,7 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
     }
 }
 
-/// The same from `text`, the text of a rig file; complaints begin with `place`, whose stem is the rig's name.
+/// The rig in `text`, as [`load`] reads it from a file; complaints begin with `place`, whose stem is the rig's name.
 ///
 /// # Errors
 /// As [`load`].
@@ -233,7 +233,7 @@ pub fn parse(text: &str, place: &str) -> Result<RigParams, UserError> {
     parse_whole(text, place).map(|(params, _)| params)
 }
 
-/// The same, with what the file states of its uncertainty.
+/// The rig in the text of a rig file, and what it states of its uncertainty; complaints begin with `place`.
 ///
 /// # Errors
 /// As [`parse`].

@@ -255,7 +255,7 @@ fn optional(table: &mut RigTable, key: &str) -> Result<Option<f64>, NoRig> {
         .transpose()
 }
 
-/// A TOML number.
+/// A TOML float or integer as a number; none for any other value.
 pub fn as_number(value: &Value) -> Option<f64> {
     value
         .as_float()

@@ -13,9 +13,9 @@ pub struct HalfWidth {
     pub key: &'static str,
     /// What it is the half-width of.
     pub meaning: &'static str,
-    /// It is at least this,
+    /// The value must be at least this.
     at_least: f64,
-    /// and below this.
+    /// The value must be less than this.
     pub below: f64,
     of: fn(&mut Stated) -> &mut Option<f64>,
 }

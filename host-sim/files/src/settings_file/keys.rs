@@ -38,7 +38,7 @@ pub const SECTIONS: [&str; 11] = [
     "interlock",
 ];
 
-/// Every number.
+/// The keys of all numbers, with their place in the settings.
 pub const NUMBERS: [Key<f32>; 27] = keys! {
     force zero_code: "ADC code at 0 N", force.zero_code;
     force n_per_code: "newtons per ADC code", force.unit_per_code;
@@ -69,7 +69,7 @@ pub const NUMBERS: [Key<f32>; 27] = keys! {
     aim force_n: "mean peak force wanted, or force_ratio in units of the weight; 0: as it comes", aim.force_n;
 };
 
-/// Every switch.
+/// The keys of all switches (true or false), with their place in the settings.
 pub const SWITCHES: [Key<bool>; 5] = keys! {
     interlock relay: "the mirror contact of the enable's relay is wired to D8", interlock.relay;
     interlock ready: "the power stage's \"ready\" is wired to D6", interlock.ready;

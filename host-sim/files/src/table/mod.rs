@@ -21,7 +21,7 @@ pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
     writer.into_inner().expect("writing to memory cannot fail")
 }
 
-/// The same of rows that may be none: the header is there in any case, that of `like`.
+/// Rows as CSV with a header line, which is there even without rows: then it is that of `like`.
 pub fn to_csv_or_header<T: Serialize>(rows: &[T], like: T) -> Vec<u8> {
     if !rows.is_empty() {
         return to_csv(rows);

@@ -157,7 +157,7 @@ impl TableLine {
         found.map_or("", |(_, text)| text)
     }
 
-    /// The same as a finite number.
+    /// The field of a column as a finite number.
     ///
     /// # Errors
     /// It is no number, or infinite.

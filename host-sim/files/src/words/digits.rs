@@ -54,7 +54,7 @@ impl Digits {
         }
     }
 
-    /// A frequency, Hz.
+    /// A frequency in Hz as text, without its unit.
     pub fn hz(self, hz: f64) -> String {
         format!("{hz:.*}", self.frequency)
     }

@@ -6,10 +6,10 @@ use serde::Serialize;
 /// A fit with its warnings in words, as JSON has it.
 #[derive(Serialize)]
 pub struct WordedFit<'a> {
-    /// The fit.
+    /// The fitted contact parameters; in JSON its fields stand beside `warnings`.
     #[serde(flatten)]
     pub fit: &'a IdentifiedFit,
-    /// Its warnings.
+    /// The fit's warnings, a sentence each.
     pub warnings: Vec<String>,
 }
 

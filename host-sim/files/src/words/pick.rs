@@ -92,11 +92,11 @@ pub struct OtherCart {
     pub what: &'static str,
     /// Contact force over m g.
     pub force_ratio: f64,
-    /// Its frequency, Hz.
+    /// Drive frequency of that 1/1, Hz.
     pub hz: f64,
     /// Contact force over m g with the answer's cart.
     pub own_force_ratio: f64,
-    /// Its frequency, Hz.
+    /// Drive frequency with the answer's cart, Hz.
     pub own_hz: f64,
 }
 

@@ -18,7 +18,7 @@ const NEAR: f64 = 0.05;
 pub enum AttractorKind {
     /// None: the hammer could not be followed.
     Failed,
-    /// No contact.
+    /// No contact in the recorded drive cycles.
     NoImpact,
     /// None yet: nothing repeats, and the motion still changes.
     Unsettled,
@@ -26,16 +26,16 @@ pub enum AttractorKind {
     Aperiodic,
     /// z = p/n with chatter.
     Chatter {
-        /// p.
+        /// Contacts per repetition, p.
         impacts: u16,
-        /// n.
+        /// Drive periods per repetition, n.
         periods: u8,
     },
-    /// z = p/n.
+    /// z = p/n without chatter: p contacts in n drive periods, after which the section repeats.
     Periodic {
-        /// p.
+        /// Contacts per repetition, p.
         impacts: u16,
-        /// n.
+        /// Drive periods per repetition, n.
         periods: u8,
     },
 }
@@ -94,7 +94,7 @@ impl Serialize for AttractorName {
 /// One way in which hammers end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
-    /// Its name.
+    /// Name: kind of motion, with a letter where several attractors are of one kind.
     pub name: AttractorName,
     /// The regime of the first start that ends here.
     pub regime: Regime,

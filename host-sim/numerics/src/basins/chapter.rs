@@ -11,13 +11,13 @@ use crate::row::NamedRig;
 pub struct ChapterBasin {
     /// The chapter's number of the figure.
     pub figure: &'static str,
-    /// "a" or "b".
+    /// Part of the figure, "a" or "b".
     pub part: &'static str,
     /// Preset of the rig.
     pub rig: &'static str,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub ratio: f64,
-    /// gap/A0.
+    /// Clearance at rest over the cart's amplitude, gap/A0.
     pub gap_over_amplitude: f64,
 }
 

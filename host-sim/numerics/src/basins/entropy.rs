@@ -21,7 +21,7 @@ pub struct Entropy {
     pub basin: f64,
     /// S_bb: the same, averaged over the boxes that hold more than one basin; none: there is no boundary.
     pub boundary: Option<f64>,
-    /// Boxes.
+    /// All boxes, with or without a boundary in them.
     pub boxes: usize,
     /// Boxes with more than one basin.
     pub boundary_boxes: usize,

@@ -26,7 +26,7 @@ pub use share::SampledShare;
 pub use start::{BasinDrive, Fate, StartWindow};
 pub use summary::{AttractorShare, BasinsSummary};
 
-/// What is asked.
+/// Which basins are asked for: rig, drive, window of starts, and how long each start is run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasinsRequest {
     /// The rig, with its gap.
@@ -35,7 +35,7 @@ pub struct BasinsRequest {
     pub frequency_hz: f64,
     /// Drive phase at the start, turns from 0 to below 1.
     pub phase: f64,
-    /// The starts.
+    /// Window of starts, with the grid of cells it is cut into.
     pub window: StartWindow,
     /// Drive cycles of each.
     pub cycles: u32,
@@ -43,7 +43,7 @@ pub struct BasinsRequest {
     pub recorded: u32,
     /// Random starts; 0: none.
     pub samples: u32,
-    /// Their seed.
+    /// Seed of the random starts: the same seed draws the same starts.
     pub seed: u64,
     /// Cycles to which random starts are run on, for the table over cycles.
     pub until: u32,
@@ -128,10 +128,10 @@ pub struct ImpactAfter {
     pub impact: SampledShare,
 }
 
-/// The basins.
+/// The basins found: what became of each start, the attractors, and the share of impact over the cycles.
 #[derive(Clone, Debug)]
 pub struct Basins {
-    /// What was asked.
+    /// The request that these basins answer.
     pub query: BasinsRequest,
     /// What became of the grid's starts, in the order of [`StartWindow::starts`].
     pub grid: Vec<Fate>,

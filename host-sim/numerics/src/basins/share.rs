@@ -9,9 +9,9 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// A share of a random sample, with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SampledShare {
-    /// Those counted.
+    /// How many members of the sample were counted.
     pub count: u64,
-    /// The whole sample.
+    /// Size of the whole sample.
     pub of: u64,
     /// Lower end of the interval, 0 to 1.
     pub low: f64,

@@ -36,9 +36,9 @@ pub struct StartWindow {
     pub displacement_m: [f64; 2],
     /// From and to, m/s.
     pub velocity_m_per_s: [f64; 2],
-    /// Cells over displacement.
+    /// Into how many cells the range of displacement is cut.
     pub columns: usize,
-    /// Cells over velocity.
+    /// Into how many cells the range of velocity is cut.
     pub rows: usize,
 }
 

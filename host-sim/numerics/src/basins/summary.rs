@@ -13,11 +13,11 @@ pub struct BasinsSummary {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// The same over A0.
+    /// Clearance at rest over the cart's amplitude, gap/A0.
     pub gap_over_amplitude: f64,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Drive phase at the start, turns.
     pub phase_turns: f64,
@@ -35,7 +35,7 @@ pub struct BasinsSummary {
     pub impact_share: f64,
     /// The mesh's error of it; `None` if the grid is too small.
     pub impact_share_mesh_error: Option<f64>,
-    /// The same of the random starts, with its 95 % interval; none without.
+    /// Share of the random starts with a contact in the recorded cycles; none without random starts.
     pub impact_share_random: Option<SampledShare>,
     /// Entropy of the picture impact / no impact, nats.
     pub impact_entropy: Option<Entropy>,
@@ -45,7 +45,7 @@ pub struct BasinsSummary {
     pub impact_uncertainty: Option<StartUncertainty>,
     /// Whether the attractors' boundary basin entropy is above ln 2.
     pub fractal_by_entropy: bool,
-    /// The attractors.
+    /// The attractors with their shares, those with most starts (grid and random) first.
     pub attractors: Vec<AttractorShare>,
     /// Share of impact over the number of cycles.
     pub over_cycles: Vec<ImpactAfter>,
@@ -58,12 +58,12 @@ pub struct BasinsSummary {
     pub cart: CartModel,
 }
 
-/// An attractor's part.
+/// One attractor of the basins with its shares of the starts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttractorShare {
-    /// Its name.
+    /// Name of the attractor: kind of motion, with a letter where several are of one kind.
     pub name: AttractorName,
-    /// p.
+    /// Contacts per repetition, p; where nothing repeats, in the last 16 recorded periods of its first start.
     pub impacts: u16,
     /// n, if it repeats.
     pub periods: Option<u8>,

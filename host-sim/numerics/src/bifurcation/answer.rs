@@ -29,14 +29,14 @@ pub struct BifurcationAnswer {
     pub cart: CartModel,
 }
 
-/// One diagram.
+/// What the answer says of the diagram of one gap and direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiagramAnswer {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// "rest", "up" or "down".
     pub direction: &'static str,
-    /// Drive frequencies.
+    /// Number of drive frequencies in the diagram.
     pub frequencies: usize,
     /// Frequencies at which nothing repeated and the motion still changed.
     pub not_settled: usize,

@@ -17,24 +17,24 @@ pub enum ChangeKind {
     Doubling,
     /// n and p become half as many.
     Halving,
-    /// Contact begins.
+    /// From a motion without contact to one with contact.
     ContactBegins,
-    /// Contact ends.
+    /// From a motion with contact to one without.
     ContactEnds,
     /// A motion that repeats is followed by one that does not within 16 periods.
     LosesPeriod,
-    /// The reverse.
+    /// A motion that does not repeat within 16 periods is followed by one that does.
     FindsPeriod,
     /// As many periods, another number of contacts: a contact grazes in or out.
     Contacts,
     /// Another p/n that is none of these.
     Other,
-    /// The same p/n, but the points leap.
+    /// p/n stays as it is, but the points of the section leap.
     Jump,
 }
 
 impl ChangeKind {
-    /// For a person.
+    /// What happens, in a few words for a person, such as "period doubles".
     pub fn words(self) -> &'static str {
         match self {
             Self::Doubling => "period doubles",
@@ -53,17 +53,17 @@ impl ChangeKind {
 /// A change between two neighbouring frequencies.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RegimeChange {
-    /// What.
+    /// What kind of change it is.
     pub kind: ChangeKind,
-    /// Regime below.
+    /// Regime at the lower of the two frequencies.
     #[serde(serialize_with = "regime_as_text")]
     pub below: Regime,
-    /// Regime above.
+    /// Regime at the higher of the two frequencies.
     #[serde(serialize_with = "regime_as_text")]
     pub above: Regime,
     /// Where, Hz: the middle of what it was narrowed down to.
     pub frequency_hz: f64,
-    /// The same over the natural frequency.
+    /// Frequency of the change over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Half the width of what it was narrowed down to, Hz.
     pub within_hz: f64,
@@ -82,9 +82,9 @@ pub struct RegimeChange {
 pub struct Twofold {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// First frequency, Hz.
+    /// First frequency of the range, Hz, inclusive.
     pub from_hz: f64,
-    /// Last frequency, Hz.
+    /// Last frequency of the range, Hz, inclusive.
     pub to_hz: f64,
     /// Regime carried up, at the first.
     pub up: Ended,

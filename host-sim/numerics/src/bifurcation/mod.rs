@@ -33,7 +33,7 @@ pub struct SectionPointRow {
     pub direction: &'static str,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Regime over the recorded periods; "unsettled" and "failed" as in a sweep, the latter in the one row of a run that could not be followed.
     pub regime: Ended,
@@ -43,7 +43,7 @@ pub struct SectionPointRow {
     pub relative_velocity_m_per_s: Option<f64>,
     /// Largest contact force in the drive period that ended there, N.
     pub force_n: Option<f64>,
-    /// The same over m g.
+    /// Largest contact force in the drive period that ended there, over m g.
     pub force_ratio: Option<f64>,
     /// Contacts that began in that period.
     pub contacts: Option<u16>,
@@ -54,9 +54,9 @@ pub struct SectionPointRow {
 /// A point of the section in a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiagramPoint {
-    /// Displacement, mm.
+    /// Displacement relative to the cart at drive phase 0, mm.
     pub displacement_mm: f64,
-    /// Rate, m/s.
+    /// Velocity relative to the cart at drive phase 0, m/s.
     pub velocity_m_per_s: f64,
     /// Largest contact force of the period that ended there, N.
     pub force_n: f64,
@@ -94,16 +94,16 @@ pub struct BifurcationDiagram {
     pub changes: Vec<RegimeChange>,
 }
 
-/// What to compute.
+/// Which diagrams to compute: one for each gap and direction.
 #[derive(Clone, Debug)]
 pub struct DiagramRequest {
     /// The rig; its own gap is not used.
     pub rig: NamedRig,
-    /// Gaps, mm.
+    /// Clearances at rest, mm.
     pub gaps_mm: Vec<f64>,
-    /// Frequencies, Hz, rising.
+    /// Drive frequencies of each diagram, Hz, rising.
     pub frequencies_hz: Vec<f64>,
-    /// Directions.
+    /// Orders in which the frequencies are visited.
     pub directions: Vec<Direction>,
     /// What integrates: the event engine runs through [`lanes`].
     pub engine: Engine,

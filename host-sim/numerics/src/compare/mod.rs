@@ -25,12 +25,12 @@ pub enum MeasuredFrame {
     Relative,
 }
 
-/// What is asked.
+/// What a record is to be compared with: the simulated rig, its drive, and how it is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComparisonRequest {
     /// The rig, with its gap.
     pub params: RigParams,
-    /// What simulates.
+    /// Engine that simulates the motion.
     pub engine: Engine,
     /// Where it starts: which of several motions at one frequency it ends in.
     pub start: Start,
@@ -47,19 +47,19 @@ pub struct ComparisonRequest {
 pub struct ComparedSample {
     /// The record's own time, s.
     pub time_s: f64,
-    /// Drive phase, turns.
+    /// Drive phase at that instant, turns from 0 to below 1.
     pub drive_phase: f64,
-    /// Displacement, mm.
+    /// Measured displacement in the frame of the record, mm; none if it was not measured.
     pub measured_displacement_mm: Option<f64>,
-    /// Displacement, mm.
+    /// Simulated displacement in the frame of the measured one, mm.
     pub simulated_displacement_mm: f64,
     /// By a straight line through the samples about it, m/s.
     pub measured_velocity_m_per_s: Option<f64>,
-    /// Velocity, m/s.
+    /// Simulated velocity in the frame of the measured displacement, m/s.
     pub simulated_velocity_m_per_s: f64,
-    /// Contact force, N.
+    /// Measured contact force, N; none if it was not measured.
     pub measured_force_n: Option<f64>,
-    /// Contact force, N.
+    /// Simulated contact force, N.
     pub simulated_force_n: f64,
 }
 
@@ -93,9 +93,9 @@ pub enum Note {
     NotRepeating,
     /// The cart moves by another amplitude than the simulation assumes.
     CartAmplitude {
-        /// Measured, mm.
+        /// The cart's measured amplitude, mm.
         measured_mm: f64,
-        /// Assumed, mm.
+        /// The cart's amplitude in the simulation, mm.
         assumed_mm: f64,
     },
     /// The cart was measured, but does not move at the drive frequency alone; its phase is not used.
@@ -114,24 +114,24 @@ pub enum Note {
 /// How far apart they are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparisonErrors {
-    /// The drive, Hz.
+    /// Drive frequency of the simulation, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
-    /// Where it is from.
+    /// Where the drive frequency is from.
     pub frequency_from: FrequencySource,
     /// What is added to the record's time to stand at the simulation's drive phase 0, s.
     pub shift_s: f64,
     /// The cart's measured amplitude, mm.
     pub cart_amplitude_mm: Option<f64>,
-    /// The simulation's regime.
+    /// Regime of the simulation, as text: "p/n", "none", "aperiodic" or "chatter".
     #[serde(serialize_with = "crate::row::regime_as_text")]
     pub regime: Regime,
-    /// Samples compared.
+    /// Number of samples compared: all of the record.
     pub samples: usize,
     /// Root mean square of simulated − measured displacement, mm.
     pub displacement_rms_mm: Option<f64>,
-    /// The same over the measured peak-to-peak displacement, %.
+    /// Root mean square of simulated − measured displacement over the measured peak-to-peak displacement, %.
     pub displacement_rms_percent: Option<f64>,
     /// Mean of simulated − measured: a sensor's zero, or a rig that hangs aslant, mm.
     pub displacement_mean_mm: Option<f64>,
@@ -155,7 +155,7 @@ pub struct ComparisonErrors {
     pub simulated_contacts_per_period: f64,
     /// Measured time over the noise's threshold, mean of the contacts, ms.
     pub measured_contact_time_ms: Option<f64>,
-    /// The same of the simulated force, over the same threshold, ms.
+    /// Time of the simulated force over the threshold of the measured one's noise, mean of the contacts, ms.
     pub simulated_contact_time_ms: Option<f64>,
     /// What to keep in mind.
     #[serde(skip)]
@@ -165,9 +165,9 @@ pub struct ComparisonErrors {
 /// Both motions, and what is between them.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// The figures.
+    /// How far the two motions are apart, in figures.
     pub errors: ComparisonErrors,
-    /// Sample by sample.
+    /// Each sample of the record with the simulation at its instant.
     pub rows: Vec<ComparedSample>,
     /// The simulated motion over its period.
     pub simulated: SimulatedMotion,

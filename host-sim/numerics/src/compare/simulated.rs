@@ -16,14 +16,14 @@ const SAMPLES: (f64, f64) = (400.0, 20_000.0);
 /// Drive periods kept of a motion that does not repeat.
 const UNREPEATED: u32 = 16;
 
-/// A settled motion.
+/// A simulated motion after its transient, sampled over one repetition.
 #[derive(Clone, Debug)]
 pub struct SimulatedMotion {
-    /// The drive, Hz.
+    /// Drive frequency really simulated, Hz: the switch engine rounds the one asked for.
     pub frequency_hz: f64,
     /// "p/n", "none", "aperiodic" or "chatter".
     pub regime: Regime,
-    /// Whether it repeats.
+    /// Whether the section repeats; true of a motion without contact, too.
     pub repeats: bool,
     /// Drive periods kept: those of one repetition, or as many as are there.
     pub periods: u32,
@@ -38,11 +38,11 @@ pub struct SimulatedMotion {
 /// The motion at an instant, in the frame asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulatedInstant {
-    /// mm.
+    /// Displacement in the frame asked for, mm.
     pub displacement_mm: f64,
-    /// m/s.
+    /// Velocity in the frame asked for, m/s.
     pub velocity_m_per_s: f64,
-    /// N.
+    /// Contact force, N.
     pub force_n: f64,
 }
 

@@ -50,21 +50,21 @@ pub fn one_contact(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Course> {
 /// The figures of one contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactFigures {
-    /// The law's name.
+    /// Name of the contact law.
     pub law: String,
-    /// Approach speed, m/s.
+    /// Speed of the mass into the wall at the onset, m/s.
     pub approach_speed_m_per_s: f64,
     /// Onset to release, ms.
     pub contact_time_ms: f64,
     /// Rebound speed over approach speed.
     pub restitution: f64,
-    /// Largest force, N.
+    /// Largest contact force, N.
     pub force_n: f64,
-    /// The same over the mass's weight.
+    /// Largest contact force over the mass's weight.
     pub force_ratio: f64,
     /// When the force was largest, ms after the onset.
     pub peak_after_ms: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact, ∫F dt, N·s.
     pub impulse_n_s: f64,
     /// Largest penetration, µm.
     pub penetration_um: f64,
@@ -148,11 +148,11 @@ fn row(
 pub struct Instant {
     /// Since the onset, s.
     pub time_s: f64,
-    /// δ, m.
+    /// Penetration δ, m.
     pub penetration_m: f64,
-    /// δ̇, m/s.
+    /// Rate of penetration δ̇, m/s.
     pub rate_m_per_s: f64,
-    /// F, N.
+    /// Contact force F, N.
     pub force_n: f64,
 }
 

@@ -13,7 +13,7 @@ use crate::root::halved;
 pub struct Pull {
     /// Share of that longer contact in which F < 0.
     pub share: f64,
-    /// Largest −F, N.
+    /// Largest pull −F, N; 0 where the law does not pull.
     pub force_n: f64,
     /// Speed at δ = 0 over the approach speed.
     pub restitution: f64,

@@ -24,7 +24,7 @@ pub struct MotionPiece {
     pub arc: Arc,
     /// Side of the switch.
     pub mode: SwitchMode,
-    /// δ̇⁻, m/s.
+    /// Approach speed δ̇⁻ at the onset of the contact, m/s; not used in flight.
     pub approach: f64,
 }
 

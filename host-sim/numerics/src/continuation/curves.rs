@@ -12,7 +12,7 @@ use crate::progress::{Progress, WithinStep, step};
 /// A line of special points of one kind, by rising gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpecialLine {
-    /// Which kind.
+    /// Kind of all its special points.
     pub special: Special,
     /// The orbits at which it happens.
     pub nodes: Vec<Node>,

@@ -16,9 +16,9 @@ use crate::progress::{Progress, check, step};
 /// What is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitsRequest {
-    /// What is varied.
+    /// Parameter that is varied along the curves.
     pub along: Along,
-    /// From and to, as Ω/ω or gap/A0.
+    /// From and to, as values of the parameter: Ω/ω, gap/A0, or a number of the rig over its unit.
     pub limits: (f64, f64),
     /// Orbits of up to so many drive periods.
     pub periods: u8,
@@ -171,7 +171,7 @@ pub struct OrbitDiagram {
     pub params: RigParams,
     /// What was searched for.
     pub request: OrbitsRequest,
-    /// The curves.
+    /// The curves, in the order in which they were found.
     pub curves: Vec<OrbitCurve>,
     /// Regimes that simulations settled on and that lie on none of the curves.
     pub elsewhere: Vec<SettledRegime>,
@@ -184,11 +184,11 @@ pub struct OrbitDiagram {
 /// A regime that a simulation settled on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SettledRegime {
-    /// Ω/ω or gap/A0.
+    /// Value of the parameter: Ω/ω, gap/A0, or a number of the rig over its unit.
     pub parameter: f64,
-    /// p.
+    /// Contacts per repetition, p.
     pub impacts: u16,
-    /// n.
+    /// Drive periods per repetition, n.
     pub periods: u8,
 }
 

@@ -18,11 +18,11 @@ pub enum Along {
     Gap(f64),
     /// A number of the rig. The parameter is its value over `unit`.
     Rig {
-        /// Which.
+        /// Number of the rig that is varied.
         knob: Knob,
         /// One of the parameter, in the unit of the knob's name.
         unit: f64,
-        /// The drive.
+        /// Drive frequency while that number varies.
         drive: FamilyDrive,
     },
 }
@@ -30,9 +30,9 @@ pub enum Along {
 /// The drive frequency of a rig whose numbers vary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FamilyDrive {
-    /// This, Hz.
+    /// This frequency whatever the rig, Hz.
     Hz(f64),
-    /// This over the natural frequency, Ω/ω.
+    /// This many times the rig's natural frequency, Ω/ω.
     Ratio(f64),
 }
 
@@ -90,7 +90,7 @@ pub struct Family {
 /// An orbit on a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// The orbit.
+    /// The periodic orbit at this place.
     pub orbit: Orbit,
     /// The rig's gap, m.
     pub gap_m: f64,
@@ -103,12 +103,12 @@ pub struct Node {
 }
 
 impl Node {
-    /// Ω/ω or gap/A0.
+    /// Value of the parameter: Ω/ω, gap/A0, or a number of the rig over its unit.
     pub fn parameter(&self) -> f64 {
         self.place[PARAMETER]
     }
 
-    /// The same node, followed the other way.
+    /// This node with its tangent reversed, to follow the curve the other way.
     #[must_use]
     pub fn turned(mut self) -> Self {
         self.tangent = self.tangent.map(|t| -t);
@@ -138,7 +138,7 @@ impl Family {
         })
     }
 
-    /// The same rig and parameter, orbits of other length.
+    /// The family of orbits of `periods` drive periods, for this rig and parameter.
     #[must_use]
     pub fn with_periods(mut self, periods: u8) -> Self {
         self.periods = periods;
@@ -150,7 +150,7 @@ impl Family {
         self.periods
     }
 
-    /// What is varied.
+    /// Parameter that is varied along the curves.
     pub fn along(&self) -> Along {
         self.along
     }
@@ -304,12 +304,12 @@ impl Family {
     }
 }
 
-/// Scalar product.
+/// Scalar product of two places or directions.
 pub fn dot(a: CurvePlace, b: CurvePlace) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4])
 }
 
-/// a − b.
+/// The difference a − b of two places.
 pub fn minus(a: CurvePlace, b: CurvePlace) -> CurvePlace {
     [0, 1, 2, 3, 4].map(|i| a[i] - b[i])
 }

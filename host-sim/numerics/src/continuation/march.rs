@@ -32,7 +32,7 @@ pub enum Until {
     Special,
 }
 
-/// Longest step, in units of [`Place`].
+/// Longest step, in units of [`super::family::CurvePlace`].
 const STRIDE: f64 = 0.04;
 /// A shorter step than this ends the curve.
 const SHORTEST: f64 = 1e-8;
@@ -152,7 +152,7 @@ impl ContactMargins {
         }
     }
 
-    /// Of an orbit.
+    /// The margins of a periodic orbit.
     pub fn of(orbit: &Orbit) -> Self {
         Self::new(&orbit.seen, f64::from(orbit.periods) / orbit.frequency_hz)
     }

@@ -18,16 +18,16 @@ use crate::row::tidy;
 pub enum CurveName {
     /// A curve of orbits.
     Branch {
-        /// p.
+        /// Contacts of each of its orbits, p.
         impacts: u16,
-        /// n.
+        /// Drive periods of each of its orbits, n.
         periods: u8,
         /// Which of the curves of this regime, from 1.
         number: usize,
     },
     /// A line of special points over gap and frequency.
     Line {
-        /// Which kind.
+        /// Kind of its special points.
         special: Special,
         /// Which of the lines of this kind, from 1.
         number: usize,
@@ -72,11 +72,11 @@ pub struct OrbitRow {
     pub strobe: u8,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// Displacement at the strobe, mm: at drive phase 0 the same in the fixed frame and relative to the cart.
+    /// Displacement relative to the cart at the strobe (prescribed: in the fixed frame, too), mm.
     pub displacement_mm: f64,
     /// Velocity relative to the cart at the strobe, m/s.
     pub velocity_m_per_s: f64,
@@ -96,7 +96,7 @@ pub struct OrbitRow {
     pub multiplier_2_re: f64,
     /// Second multiplier, imaginary part.
     pub multiplier_2_im: f64,
-    /// The larger modulus.
+    /// The larger modulus of the two multipliers.
     pub multiplier_modulus: f64,
     /// Whether both lie inside the unit circle.
     pub stable: bool,
@@ -106,16 +106,16 @@ pub struct OrbitRow {
     pub stability: Stability,
 }
 
-/// A special point.
+/// A special point of a curve of orbits, or of a line over gap and frequency.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpecialRow {
     /// Name of the curve or of the line.
     pub branch: CurveName,
-    /// Which kind.
+    /// Kind of the special point.
     pub special: Special,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
@@ -123,9 +123,9 @@ pub struct SpecialRow {
     pub displacement_mm: f64,
     /// Velocity relative to the cart at drive phase 0, m/s.
     pub velocity_m_per_s: f64,
-    /// p.
+    /// Contacts of the orbit, p.
     pub impacts: u16,
-    /// n.
+    /// Drive periods of the orbit, n.
     pub periods: u8,
     /// Largest contact force over m g.
     pub force_ratio: f64,
@@ -136,17 +136,17 @@ pub struct SpecialRow {
 /// A curve as a whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchRow {
-    /// Its name.
+    /// Name of the curve.
     pub branch: CurveName,
-    /// p.
+    /// Contacts of each of its orbits, p.
     pub impacts: u16,
-    /// n.
+    /// Drive periods of each of its orbits, n.
     pub periods: u8,
-    /// Orbits on it.
+    /// Number of orbits found along the curve.
     pub orbits: usize,
-    /// Smallest and largest Ω/ω, or gap/A0, on it.
+    /// Smallest and largest parameter on it: Ω/ω, gap/A0, or a number of the rig over its unit.
     pub range: [f64; 2],
-    /// Stretches of the same parameter that are stable.
+    /// Stretches of the parameter that are stable.
     pub stable: Vec<[f64; 2]>,
     /// Largest force on a stable stretch, over m g; none if there is no stable orbit.
     pub largest_stable_force_ratio: Option<f64>,
@@ -161,13 +161,13 @@ pub struct BranchRow {
 /// A regime that simulations settled on and that lies on none of the curves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SeenRow {
-    /// p.
+    /// Contacts per repetition, p.
     pub impacts: u16,
-    /// n.
+    /// Drive periods per repetition, n.
     pub periods: u8,
-    /// How many simulations.
+    /// How many simulations settled on it.
     pub simulations: usize,
-    /// Smallest and largest Ω/ω, or gap/A0, at which they did.
+    /// Smallest and largest parameter at which they did: Ω/ω, gap/A0, or a number of the rig over its unit.
     pub range: [f64; 2],
 }
 
@@ -178,13 +178,13 @@ pub struct OrbitsAnswer {
     pub rig: String,
     /// How the cart is moved.
     pub cart: CartModel,
-    /// "frequency" or "gap".
+    /// Parameter that is varied: "frequency", "gap", or the name of a number of the rig.
     pub along: &'static str,
-    /// The curves.
+    /// The curves, one row each.
     pub branches: Vec<BranchRow>,
-    /// Their special points.
+    /// Special points of the curves, curve by curve.
     pub special_points: Vec<SpecialRow>,
-    /// Every orbit.
+    /// Every orbit of every curve, one row for each strobe.
     pub orbits: Vec<OrbitRow>,
     /// Regimes that simulations settled on and that lie on none of the branches.
     pub seen_elsewhere: Vec<SeenRow>,

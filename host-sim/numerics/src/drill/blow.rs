@@ -25,7 +25,7 @@ pub struct GroundBlow {
     pub duration_s: f64,
     /// Speed of the hammer into the ground at onset, m/s.
     pub approach_speed_m_per_s: f64,
-    /// Progress, m.
+    /// How far the ground gave way in the blow, m.
     pub progress_m: f64,
     /// Largest contact force on the hammer, N.
     pub peak_force_n: f64,
@@ -35,6 +35,6 @@ pub struct GroundBlow {
     pub contacts: u32,
     /// Energy that it took from the hammer, J.
     pub energy_lost_j: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact force on the hammer, ∫F dt, N·s.
     pub impulse_n_s: f64,
 }

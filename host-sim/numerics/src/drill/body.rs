@@ -15,16 +15,16 @@ pub struct FreeMass {
     pub mass: f64,
     /// b, N: the static force that presses it on.
     pub static_force: f64,
-    /// a, N.
+    /// a, N: the amplitude of the harmonic force.
     pub amplitude: f64,
 }
 
-/// What strikes.
+/// The body that strikes the ground or the bit.
 #[derive(Clone, Copy, Debug)]
 pub enum Body<R> {
     /// The hammer in its cart.
     Hammer(Carried<R>),
-    /// The published oscillator.
+    /// The free mass of the published drifting oscillator.
     Free(FreeMass),
 }
 
@@ -34,9 +34,9 @@ pub struct Carried<R> {
     rig: Rig<R>,
     /// A cart that recoils from its course; none where it keeps to it.
     cart: Option<Cart<R>>,
-    /// A0 Ω, m/s.
+    /// Amplitude of the course's speed, A0 Ω, m/s.
     speed: f64,
-    /// A0 Ω², m/s².
+    /// Amplitude of the course's acceleration, A0 Ω², m/s².
     acceleration: f64,
 }
 
@@ -59,7 +59,7 @@ impl<R: Scalar> Carried<R> {
 /// Accelerations at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyAccelerations<R> {
-    /// q̈.
+    /// Second derivative q̈ of the body's coordinate, in its unit per s².
     pub acceleration: R,
     /// ë of the cart, m/s²: 0 where it keeps to its course.
     pub deviation: R,
@@ -69,17 +69,17 @@ pub struct BodyAccelerations<R> {
     pub carried: R,
 }
 
-/// Where it is.
+/// How deep the body is, and how fast it goes deeper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPlace<R> {
     /// Beyond the nominal place of the front, m.
     pub depth: R,
-    /// Its rate, m/s.
+    /// Rate of the depth, m/s.
     pub rate: R,
     hammer: Option<Kinematics<R>>,
 }
 
-/// Powers, W.
+/// Powers at an instant, W.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Powers {
     /// Of the drive, on the body.
@@ -113,7 +113,7 @@ impl<R: Scalar> Body<R> {
         }
     }
 
-    /// m, kg.
+    /// Mass m of the body, kg (1 without dimensions).
     pub fn mass(&self) -> f64 {
         match self {
             Self::Hammer(carried) => carried.rig.mass().to_f64(),
@@ -272,7 +272,7 @@ impl<R: Scalar> Carried<R> {
         cart.force(course, off)
     }
 
-    /// Its power, W.
+    /// Power of the loop's force on a cart that recoils, W; 0 with a prescribed one.
     fn shaker_power(&self, angle: R, off: [R; 2]) -> f64 {
         if self.cart.is_none() {
             return 0.0;

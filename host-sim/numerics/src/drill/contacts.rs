@@ -130,7 +130,7 @@ impl<R: Scalar> Drill<R> {
         }
     }
 
-    /// Hammer meets bit.
+    /// Hammer meets bit: a blow begins, or the one under way has one contact more.
     pub(super) fn strike(&mut self) {
         let [_, speed] = self.flow().into_bit(&self.point);
         self.struck = true;

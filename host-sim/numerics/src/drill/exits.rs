@@ -58,7 +58,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
         }
     }
 
-    /// The same between hammer and bit.
+    /// [`Self::beyond`] of [`Exit::Strikes`] and [`Exit::Parts`]; −∞ without a bit.
     fn beyond_bit(&self, exit: Exit, p: &DrillPoint<R>) -> R {
         let Some(bit) = self.bit else {
             return R::from_f64(f64::NEG_INFINITY);
@@ -71,7 +71,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
         }
     }
 
-    /// Its rate.
+    /// Rate of [`Self::beyond`] at `p`, per s.
     fn beyond_rate(&self, exit: Exit, p: &DrillPoint<R>) -> f64 {
         let (slider, speed) = (self.slider, self.speed(p));
         let now = self.acting(p);

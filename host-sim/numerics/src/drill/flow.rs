@@ -9,14 +9,14 @@ use super::exits::Exit;
 use crate::flow::dormand_prince::combined;
 use crate::flow::{Flow, FlowStep, Scalar};
 
-/// Where everything is.
+/// State of body, cart, bit and ground at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillPoint<R> {
     /// Since drive phase 0, s.
     pub t: R,
-    /// The body's coordinate.
+    /// Coordinate q of the body, measured from the nominal place of the front.
     pub q: R,
-    /// Its rate.
+    /// Rate of the body's coordinate, in its unit per s.
     pub v: R,
     /// Compression of the ground's top, m.
     pub e: R,
@@ -45,7 +45,7 @@ pub struct Energies {
     pub dashpot: f64,
     /// Spent on progress: threshold times advance.
     pub progress: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact force on the body, ∫F dt, N·s.
     pub impulse: f64,
     /// From the shaker into a cart that recoils.
     pub shaker: f64,
@@ -77,9 +77,9 @@ impl Energies {
 /// Body, cart, bit and ground in one phase of the contact.
 #[derive(Clone, Copy, Debug)]
 pub struct DrillFlow<'a, R> {
-    /// What strikes.
+    /// The body that strikes.
     pub body: &'a Body<R>,
-    /// The ground.
+    /// The ground, which gives way.
     pub slider: &'a Slider<R>,
     /// The bit between body and ground, if there is one.
     pub bit: Option<&'a Bit<R>>,
@@ -87,7 +87,7 @@ pub struct DrillFlow<'a, R> {
     pub touch: Touch,
     /// Whether body and bit touch.
     pub struck: bool,
-    /// Ω, rad/s.
+    /// Angular frequency Ω of the drive, rad/s.
     pub omega: f64,
     /// Speed at which the rig is fed towards the ground, m/s.
     pub feed: f64,
@@ -142,7 +142,7 @@ impl<R: Scalar> DrillFlow<'_, R> {
         [p.at.depth - p.bit[0], p.at.rate - p.bit[1]]
     }
 
-    /// Forces and accelerations.
+    /// Forces and accelerations at a point.
     #[inline]
     pub fn acting(&self, p: &DrillPoint<R>) -> Acting<R> {
         let ground = self.slider.force(self.touch, p.e, self.speed(p));

@@ -81,7 +81,7 @@ impl<R: Scalar> Drill<R> {
         Self::through(params, slider, None, feed, frequency_hz)
     }
 
-    /// The same through a bit that stands on the ground.
+    /// [`Self::hammer`], striking through a bit that stands on the ground where there is one.
     ///
     /// # Errors
     /// The first parameter out of range.
@@ -127,7 +127,7 @@ impl<R: Scalar> Drill<R> {
         Ok(drill)
     }
 
-    /// The same with a bit on the ground. It must be placed anew.
+    /// This drill with a bit on the ground. It must be placed anew.
     ///
     /// # Errors
     /// The first parameter of the bit out of range.
@@ -208,7 +208,7 @@ impl<R: Scalar> Drill<R> {
         }
     }
 
-    /// The same with errors per step below this share of the amplitude.
+    /// This drill with errors per step below this share of the amplitude.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;

@@ -28,7 +28,7 @@ const ITERATIONS: usize = 20;
 /// A fixed point is found when the return map moves it by less than this share of A0 and A0 Ω.
 const CLOSURE: f64 = 1e-10;
 
-/// A period-one orbit.
+/// An orbit that repeats after one drive period, on ground that gives way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillOrbit {
     /// Drive frequency, Hz.
@@ -87,7 +87,7 @@ pub fn shoot(
     }
 }
 
-/// The same with derivatives along the first `N` directions of the section.
+/// [`shoot`] with derivatives along the first `N` directions of the section.
 fn along<const N: usize>(
     params: &RigParams,
     (ground, bit): (&Slider<f64>, Option<&Bit<f64>>),

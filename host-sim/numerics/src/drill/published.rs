@@ -27,7 +27,7 @@ pub struct Drifting {
     pub b: f64,
     /// Damping: c = 2ξ.
     pub xi: f64,
-    /// Frequency over √(k/m).
+    /// Drive frequency ω over √(k/m).
     pub omega: f64,
 }
 
@@ -44,7 +44,7 @@ pub const PERIOD_TWO: Drifting = Drifting {
 pub struct DriftingPlan {
     /// Drive periods left out.
     pub settle: u32,
-    /// Drive periods recorded.
+    /// Drive periods recorded, each with one point of the section.
     pub recorded: u32,
 }
 
@@ -55,9 +55,9 @@ pub struct DriftingRow {
     pub a: f64,
     /// Static force over Pf.
     pub b: f64,
-    /// Damping ratio ξ.
+    /// Damping ratio ξ: c = 2ξ.
     pub xi: f64,
-    /// Frequency over √(k/m).
+    /// Drive frequency ω over √(k/m).
     pub omega: f64,
     /// Drive periods after which the motion repeats; none if it does not.
     pub periods: Option<u8>,

@@ -25,7 +25,7 @@ const LOST: f64 = 1e4;
 /// Ground, bit and feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillSetting {
-    /// The ground.
+    /// The ground, which gives way.
     pub ground: Slider<f64>,
     /// A bit between hammer and ground.
     pub bit: Option<Bit<f64>>,
@@ -38,7 +38,7 @@ pub struct DrillSetting {
 pub struct DrillPlan {
     /// Drive periods in which it may settle; fewer where the section repeats before.
     pub settle: u32,
-    /// Drive periods recorded.
+    /// Drive periods recorded after it has settled.
     pub recorded: u32,
 }
 
@@ -72,7 +72,7 @@ pub struct DrillRun {
     pub contact_j: f64,
     /// Energy that went into the ground, J per drive period.
     pub ground_j: f64,
-    /// Drive periods recorded.
+    /// Number of drive periods recorded.
     pub periods: f64,
     /// The section at the end.
     pub section: [f64; 3],
@@ -183,15 +183,15 @@ pub struct DrillRow {
     pub rig: String,
     /// Clearance at rest, mm, that the feed restores.
     pub gap_mm: f64,
-    /// Pf, N.
+    /// Threshold force Pf at which the ground gives way, N.
     pub threshold_n: f64,
-    /// k, N/m.
+    /// Stiffness k of the ground, N/m.
     pub ground_stiffness_n_per_m: f64,
-    /// c, N·s/m.
+    /// Damping c of the ground, N·s/m.
     pub ground_damping_n_s_per_m: f64,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
     pub impacts: u16,
@@ -220,9 +220,9 @@ pub struct DrillRow {
     pub mean_clearance_mm: f64,
     /// How the cart is moved.
     pub cart: CartModel,
-    /// m_b, kg; none without a bit.
+    /// Mass m_b of the bit, kg; none without a bit.
     pub bit_mass_kg: Option<f64>,
-    /// W, N.
+    /// Static feed force W on the bit, N; none without a bit.
     pub bit_feed_force_n: Option<f64>,
     /// Largest force on the ground, N: that on the hammer without a bit.
     pub ground_force_n: f64,

@@ -36,13 +36,13 @@ pub struct GroundUncertainty {
 /// A corner of the uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Corner {
-    /// Pf, N.
+    /// Threshold force Pf of the ground in this corner, N.
     pub threshold_n: f64,
-    /// k, N/m.
+    /// Stiffness k of the ground in this corner, N/m.
     pub ground_stiffness_n_per_m: f64,
     /// What it drills at the nominal best frequency, µm/s.
     pub rate_at_nominal_um_per_s: f64,
-    /// Its regime there.
+    /// Regime of this corner at the nominal best frequency.
     #[serde(serialize_with = "regime_as_text")]
     pub regime_at_nominal: Regime,
     /// Its own best Ω/ω, within 12 % of the nominal.
@@ -63,13 +63,13 @@ pub struct DrillAnswer {
     pub multiplier: Option<f64>,
     /// The frequency that `pick` gives for a surface that stays (nominal, the same cart), Hz. None where it has no answer.
     pub rigid_frequency_hz: Option<f64>,
-    /// The same over the natural frequency.
+    /// The frequency that `pick` gives for a surface that stays, over the natural frequency.
     pub rigid_frequency_ratio: Option<f64>,
     /// Contact force there on the surface that stays, N.
     pub rigid_force_n: Option<f64>,
     /// Rate of penetration there, µm/s.
     pub rigid_rate_um_per_s: Option<f64>,
-    /// The same over the largest.
+    /// Rate of penetration at the frequency that `pick` gives, over the largest of this answer.
     pub rigid_share: Option<f64>,
     /// Ω/ω of the first and last frequency of the range at which the contact force reaches the threshold.
     pub threshold_reached_ratios: Option<(f64, f64)>,
@@ -82,7 +82,7 @@ pub struct DrillAnswer {
     pub recoil_rate_um_per_s: Option<f64>,
     /// The frequency of that, Hz.
     pub recoil_frequency_hz: Option<f64>,
-    /// The same with the cart as prescribed.
+    /// The largest rate of penetration with the cart as prescribed, µm/s: of this answer, or near its frequency.
     pub prescribed_rate_um_per_s: Option<f64>,
     /// The frequency of that, Hz.
     pub prescribed_frequency_hz: Option<f64>,
@@ -191,12 +191,12 @@ fn at(
     Ok(DrillRow::new(rig, setting, frequency_hz, &seen))
 }
 
-/// Which motions count.
+/// Which motions count in the search for the best rate of penetration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Among {
     /// One blow in each drive period, the motion that is recommended.
     OneOne,
-    /// All.
+    /// Every motion, whatever its regime.
     All,
 }
 

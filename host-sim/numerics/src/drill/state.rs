@@ -13,7 +13,7 @@ impl<R: Scalar> Drill<R> {
         self.place_off(section, [R::ZERO; 2]);
     }
 
-    /// The same with a cart that recoils `cart` (m, m/s) off its course. A bit is at rest on the ground.
+    /// [`Self::place`] with a cart that recoils `cart` (m, m/s) off its course. A bit is at rest on the ground.
     pub fn place_off(&mut self, [q, v, e]: [R; 3], cart: [R; 2]) {
         let at = self.body.place(q, v);
         self.point = DrillPoint {
@@ -114,7 +114,7 @@ impl<R: Scalar> Drill<R> {
         (q, v)
     }
 
-    /// The same, and those of the cart's deviation and its rate.
+    /// Units of coordinate, rate, the cart's deviation and its rate: amplitudes, and amplitudes times Ω.
     pub fn all_units(&self) -> [f64; 4] {
         let (scale, length) = self.body.scales();
         [scale, scale * self.omega, length, length * self.omega]

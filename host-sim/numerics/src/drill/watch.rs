@@ -8,7 +8,7 @@ use crate::flow::{Scalar, reached};
 const POINTS: u32 = 4;
 
 impl<R: Scalar> Drill<R> {
-    /// The same, watching the loop's force from now on.
+    /// This drill, watching the force of the shaker's loop from now on.
     #[must_use]
     pub fn watching_the_loop(mut self) -> Self {
         self.loop_force_n = self.body.recoils().then_some(0.0);

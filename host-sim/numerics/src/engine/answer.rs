@@ -9,30 +9,30 @@ use crate::row::{NamedRig, RunRow, tidy};
 /// What a run showed. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunAnswer {
-    /// Regime and force.
+    /// Rig, frequency, regime and force, as in a row of a sweep.
     #[serde(flatten)]
     pub row: RunRow,
     /// Finished contacts in the recorded cycles.
     pub contacts_recorded: usize,
     /// Drive periods from the start after which the motion repeats; none if it does not by the end.
     pub settling_cycles: Option<u32>,
-    /// The same, s.
+    /// Time from the start after which the motion repeats, s; none if it does not by the end.
     pub settling_s: Option<f64>,
     /// Rebound speed of the strongest contact, m/s.
     pub rebound_speed_m_per_s: Option<f64>,
-    /// Energy that it took from the hammer, J.
+    /// Energy that the strongest contact took from the hammer, J.
     pub energy_per_blow_j: Option<f64>,
-    /// Its impulse, N·s.
+    /// Impulse of the strongest contact, N·s.
     pub impulse_n_s: Option<f64>,
     /// Drive cycles in all.
     pub cycles: u32,
     /// How many of the first were not recorded.
     pub transient: u32,
-    /// "event" or "switch".
+    /// Engine that ran: "event" or "switch".
     pub engine: &'static str,
     /// How the switch engine handles the switch.
     pub stepper: Option<&'static str>,
-    /// "f32" or "f64".
+    /// Arithmetic of the run: "f32" or "f64".
     pub precision: &'static str,
     /// Tick of the switch engine, µs.
     pub tick_us: Option<f64>,
@@ -45,13 +45,13 @@ pub struct ContactRow {
     pub onset_s: f64,
     /// How long it lasted, ms.
     pub duration_ms: f64,
-    /// Approach speed, m/s.
+    /// Speed of the hammer into the surface at the onset, m/s.
     pub approach_speed_m_per_s: f64,
-    /// Rebound speed, m/s.
+    /// Speed of the hammer out of the surface at the release, m/s.
     pub rebound_speed_m_per_s: f64,
-    /// Largest force, N.
+    /// Largest contact force, N.
     pub peak_force_n: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact, ∫F dt, N·s.
     pub impulse_n_s: f64,
     /// Energy it took from the hammer, J.
     pub energy_lost_j: f64,
@@ -60,9 +60,9 @@ pub struct ContactRow {
 /// One point of the section at drive phase 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SectionRow {
-    /// l sin θ or Δ, mm.
+    /// Displacement relative to the cart (l sin θ or Δ), mm.
     pub relative_displacement_mm: f64,
-    /// Its rate, m/s.
+    /// Velocity relative to the cart, m/s.
     pub relative_velocity_m_per_s: f64,
 }
 

@@ -19,7 +19,7 @@ use crate::reference::LocatedContact;
 pub use recorder::{CycleRecorder, RecordedSample};
 pub use switch::{Method, Precision, Setting, Switch};
 
-/// What integrates.
+/// Which engine integrates the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Engine {
     /// The event-located reference ([`mod@crate::reference`]).
@@ -81,7 +81,7 @@ pub trait Machine {
     fn period(&mut self, recorder: Option<&mut CycleRecorder>) -> Period<f64>;
     /// Coordinate and rate on the section now.
     fn section(&self) -> [f64; 2];
-    /// The rig.
+    /// The rig, in f64 whatever the arithmetic of the machine.
     fn rig(&self) -> &Rig<f64>;
     /// The frequency really driven, Hz (the switch model rounds it to its phase accumulator).
     fn frequency_hz(&self) -> f64;
@@ -104,7 +104,7 @@ pub fn machine(
     machine_at(engine, params, frequency_hz, start, 0.0)
 }
 
-/// The same, starting at drive `phase` (turns, from 0 to below 1): the first period run is what is left of one.
+/// [`machine`] starting at drive `phase` (turns, from 0 to below 1): the first period run is what is left of one.
 ///
 /// # Errors
 /// As [`machine`]; also if the phase is out of range, or not 0 with the switch model.
@@ -193,8 +193,8 @@ pub fn observe(
     observe_after(machine, plan, recorder, |_| None)
 }
 
-/// The same for a run of which nobody asks when what is recorded happened: a transient ends as soon as the motion has come to
-/// repeat after a few drive periods, and what repeats is recorded a few times.
+/// [`observe`] for a run of which nobody asks when what is recorded happened: a transient ends as soon as the motion
+/// has come to repeat after a few drive periods, and what repeats is recorded a few times.
 ///
 /// # Errors
 /// As [`observe`].

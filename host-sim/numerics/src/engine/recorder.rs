@@ -4,14 +4,14 @@ use shared::model::rig::Rig;
 
 use crate::reference::LocatedContact;
 
-/// One recorded instant.
+/// The motion at one recorded instant.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RecordedSample {
     /// Time since the start, s.
     pub time_s: f64,
-    /// l sin θ or Δ, mm.
+    /// Displacement relative to the cart (l sin θ or Δ), mm.
     pub relative_displacement_mm: f64,
-    /// Its rate, m/s.
+    /// Velocity relative to the cart, m/s.
     pub relative_velocity_m_per_s: f64,
     /// In the fixed frame (3-18): x, mm.
     pub displacement_mm: f64,

@@ -16,9 +16,9 @@ use crate::reference::LocatedContact;
 /// Which arithmetic the switch model runs in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
-    /// As on the microcontroller.
+    /// Single precision, as on the microcontroller.
     F32,
-    /// For analysis.
+    /// Double precision, for analysis.
     F64,
 }
 
@@ -29,16 +29,16 @@ pub enum Method {
     Corrected,
     /// The band of the chapter, with its two widths.
     Banded {
-        /// η_α, m.
+        /// η_α, m: |δ| below this is "on Σα".
         eta_alpha_m: f64,
-        /// η_β, N.
+        /// η_β, N: |F| below this is "on Σβ".
         eta_beta_n: f64,
     },
     /// Arctangents in place of the switch, with their two widths.
     Smoothed {
-        /// ε_α, m.
+        /// ε_α, m: penetration over which contact fades in.
         epsilon_alpha_m: f64,
-        /// ε_β, N.
+        /// ε_β, N: force over which contact fades out.
         epsilon_beta_n: f64,
     },
 }
@@ -48,9 +48,9 @@ pub enum Method {
 pub struct Setting {
     /// How the switch is handled.
     pub method: Method,
-    /// The arithmetic.
+    /// Arithmetic that the switch model runs in.
     pub precision: Precision,
-    /// The tick, s.
+    /// Length of the fixed step, s.
     pub tick_s: f64,
 }
 

@@ -10,9 +10,9 @@ pub use super::tableau::{combined, length, next, shorter};
 /// A step taken from a point of type `P`, with what was integrated beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowStep<R, P, T> {
-    /// Where it ended.
+    /// Point at which the step ended.
     pub end: P,
-    /// Its length, s.
+    /// Length of the step, s.
     pub length: R,
     /// Error estimate relative to the tolerance (≤ 1: accept).
     pub error: f64,
@@ -52,7 +52,7 @@ fn stepped<F: Flow<N>, const N: usize>(
     }
 }
 
-/// The same with the first `M` numbers moving.
+/// [`stepped`] with the first `M` of the `N` numbers moving.
 #[inline(never)]
 fn step_of<F: Flow<N>, const N: usize, const M: usize>(
     flow: &F,

@@ -9,7 +9,7 @@ pub trait Scalar: Real {
     /// sin x for any angle, rad.
     fn sin(self) -> Self;
 
-    /// eˣ.
+    /// The exponential eˣ.
     fn exp(self) -> Self;
 
     /// `factor` times this: what a product with a constant is, without the products of derivatives that are 0.

@@ -35,7 +35,7 @@ pub fn length(a: f64, b: f64) -> f64 {
 /// Stages per step.
 pub const STAGES: usize = 12;
 
-/// Nodes.
+/// Nodes of the stages, as shares of the step.
 pub const C: [f64; STAGES] = [
     0.0,
     0.05260015195876773,
@@ -132,7 +132,7 @@ pub const B: &[(usize, f64)] = &[
     (11, 0.04471061572777259),
 ];
 
-/// The same by stage: 0 for those that do not count.
+/// The weights [`B`] by stage: 0 for those that do not count.
 pub const WEIGHTS: [f64; STAGES] = {
     let (mut weights, mut k) = ([0.0; STAGES], 0);
     while k < B.len() {

@@ -16,8 +16,8 @@ pub const REFUSED_SHARE: f64 = 0.02;
 /// that of one, 5.991/3.841. With that of one the intervals held the truth in 17 of 20 records.
 const SEEN_FILTER: f64 = 1.560;
 
-/// The same where the filter is too fast to be seen, or digital. Filter and onsets then have several leasts between two samples, and
-/// χ² is no parabola: the 95 % point of three (parameter, filter, onset), 7.815/3.841.
+/// [`SEEN_FILTER`] where the filter is too fast to be seen, or digital. Filter and onsets then have several leasts
+/// between two samples, and χ² is no parabola: the 95 % point of three (parameter, filter, onset), 7.815/3.841.
 const UNSEEN_FILTER: f64 = 2.035;
 
 /// Rounds of least squares for a point of a profile: it begins beside one.

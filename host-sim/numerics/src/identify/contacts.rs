@@ -19,9 +19,9 @@ const SILENCE_S: f64 = 5e-3;
 /// A record, its offset and drift taken off, and its impacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredImpacts {
-    /// The file's name.
+    /// Name of the record ([`Signal::name`]).
     pub name: String,
-    /// Times, s.
+    /// Times of the samples, rising, s.
     pub time_s: Vec<f64>,
     /// Force less its offset, N.
     pub force_n: Vec<f64>,
@@ -37,7 +37,7 @@ pub struct MeasuredImpacts {
     pub offset_deviation_n: f64,
     /// Standard deviation of a sample where nothing happens, quantisation included, N; 0: none seen.
     pub noise_n: f64,
-    /// The same without quantisation, N.
+    /// Standard deviation of a sample where nothing happens, quantisation left out, N.
     pub white_n: f64,
     /// Step of a quantised record, N; 0: not quantised.
     pub step_n: f64,
@@ -56,7 +56,7 @@ pub struct Impact {
     pub first: usize,
     /// When that was, s.
     pub at_s: f64,
-    /// Largest sample, N.
+    /// Largest sample of the impact, the offset taken off, N.
     pub peak_n: f64,
     /// ∫F dt over the window, N·s.
     pub impulse_n_s: f64,

@@ -23,10 +23,10 @@ const USUAL_NOISE: f64 = 0.002;
 /// Releases are drawn evenly up to this share about the nominal one, so that no two records are sampled alike.
 const RELEASE_SPREAD: f64 = 0.1;
 
-/// What is tried.
+/// A sensor and a law on which the intervals are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoverageCase {
-    /// Its name.
+    /// Name of the case in the table.
     pub name: &'static str,
     /// The sensor; release and seed are drawn.
     pub test: DropTest,
@@ -165,13 +165,13 @@ pub fn cases() -> Vec<CoverageCase> {
 /// A line of the table: one parameter of one case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoverageRow {
-    /// The case.
+    /// Name of the case.
     pub case: &'static str,
     /// What was made small.
     pub misfit: Misfit,
     /// The parameter, as rig files name it.
     pub parameter: &'static str,
-    /// Drop tests.
+    /// Drop tests tried, those that failed included.
     pub tests: usize,
     /// Tests with the right answer: the interval holds the truth; or the law is not the record's and is refused.
     pub right: usize,

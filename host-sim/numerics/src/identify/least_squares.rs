@@ -20,7 +20,7 @@ pub trait Problem {
 /// Where a search ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
-    /// Where.
+    /// Coordinates of the point where it ended.
     pub x: Vec<f64>,
     /// The sum of squares there.
     pub cost: f64,
@@ -41,7 +41,7 @@ impl Solved {
 
 /// What searches from several starts found.
 pub struct Searched {
-    /// The best.
+    /// Where the best of them ended, searched on from there.
     pub best: Solved,
     /// The sums of squares with which they ended.
     pub ended: Vec<f64>,

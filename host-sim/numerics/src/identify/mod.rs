@@ -44,7 +44,7 @@ pub enum Misfit {
 }
 
 impl Misfit {
-    /// Its name.
+    /// Its name in tables and pictures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Peaks => "peaks",
@@ -53,7 +53,7 @@ impl Misfit {
     }
 }
 
-/// How to search.
+/// What a fit takes as known of the drop test, and what it seeks beside the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchSettings {
     /// Displacement at the release, m (negative: away from the surface).
@@ -101,13 +101,13 @@ pub(crate) const EVERY_CONTACT: SearchSettings = SearchSettings {
 /// One measured impact beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImpactRow {
-    /// Counted from 1.
+    /// Which impact of the record it is, counted from 1.
     pub impact: usize,
     /// First sample over the threshold, s.
     pub measured_at_s: f64,
     /// The model's onset, s since the release.
     pub model_at_s: f64,
-    /// Largest sample, N.
+    /// Largest sample of the measured impact, the offset taken off, N.
     pub measured_peak_n: f64,
     /// What the largest sample of the model's impact would be on average, noise included, N.
     pub model_peak_n: f64,
@@ -115,7 +115,7 @@ pub struct ImpactRow {
     pub model_contact_time_ms: f64,
     /// ∫F dt of the samples in the window compared, N·s.
     pub measured_impulse_n_s: f64,
-    /// The model's, N·s.
+    /// ∫F dt of the model's whole contact, N·s; 0 where the model has none.
     pub model_impulse_n_s: f64,
     /// Root mean square of the difference in the window compared, N.
     pub residual_n: f64,
@@ -148,7 +148,7 @@ impl SensorFound {
 /// What one search found.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentifiedFit {
-    /// The law.
+    /// Kind of law whose parameters were sought.
     pub law: LawKind,
     /// What was made small.
     pub misfit: Misfit,
@@ -165,21 +165,21 @@ pub struct IdentifiedFit {
     pub rms_n: f64,
     /// The noise a peak, or a sample, has, N.
     pub noise_n: f64,
-    /// Data less unknowns.
+    /// Samples or peaks compared, less the numbers sought; 0 at least.
     pub degrees_of_freedom: usize,
     /// What the intervals were widened by because the law fits worse than the noise explains; 1: not.
     pub widened: f64,
-    /// Searches begun, and how many ended at the best.
+    /// Searches begun, each from another start.
     pub starts: usize,
     /// How many of them ended at the best.
     pub starts_agreeing: usize,
-    /// Drop tests simulated.
+    /// Drop tests simulated by all searches and for the intervals.
     pub simulations: u64,
     /// What the law misses of the force, noise apart, as a share of it (root mean squares over the impacts).
     pub misses_share: f64,
     /// The sensor as the fit has it.
     pub sensor: SensorFound,
-    /// Impact by impact.
+    /// Each measured impact beside the model's, in time.
     pub impacts: Vec<ImpactRow>,
     /// What the data do not fix, and what the law cannot do.
     #[serde(skip)]
@@ -190,13 +190,13 @@ pub struct IdentifiedFit {
     /// What model and sensor show in the window of each impact, or somewhat beyond it, N.
     #[serde(skip)]
     pub shown: Vec<Vec<f64>>,
-    /// The law found.
+    /// The law with the parameters found.
     #[serde(skip)]
     pub found: Law<f64>,
     /// The release found or given, m.
     #[serde(skip)]
     pub release_m: f64,
-    /// Of each parameter.
+    /// The misfit over each parameter, in the order of `parameters`.
     #[serde(skip)]
     pub profiles: Vec<Profile>,
 }

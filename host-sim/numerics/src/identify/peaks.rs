@@ -21,7 +21,7 @@ const PHASES: [f64; 2] = [0.25, 0.75];
 /// A peak is known no better than this share of itself: what model and integration leave.
 const FLOOR_SHARE: f64 = 1e-3;
 
-/// Compares peaks.
+/// The measured peaks, beside those that model and sensor would show for a law.
 pub struct Peaks<'a> {
     measured: &'a MeasuredImpacts,
     params: RigParams,

@@ -13,12 +13,12 @@ use super::unknowns::Unknowns;
 /// The 95 % point of χ² with one degree of freedom.
 const CHI_SQUARE_95: f64 = 3.841_458_820_694_124;
 
-/// A parameter found.
+/// A parameter found, with its 95 % profile likelihood interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProfileEstimate {
     /// As rig files name it, unit included, or `release_mm`.
     pub key: &'static str,
-    /// Its value.
+    /// The value found, in the unit of its key.
     pub value: f64,
     /// Lower end of the 95 % interval; none: the data do not bound it.
     pub low: Option<f64>,

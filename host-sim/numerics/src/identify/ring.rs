@@ -31,9 +31,9 @@ const NUDGE: f64 = 1e-6;
 /// A damped swing a exp(−t/τ) sin(2πft + φ) after each release.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
-    /// f, Hz.
+    /// Frequency f, Hz.
     pub frequency_hz: f64,
-    /// τ, ms.
+    /// Time constant τ of its decay, ms.
     pub decay_ms: f64,
     /// Share of critical damping.
     pub damping_ratio: f64,
@@ -47,7 +47,7 @@ pub struct Ring {
 pub struct Tail {
     /// Since the release, s.
     pub time_s: Vec<f64>,
-    /// N.
+    /// Measured force less what model and sensor show at these times, N.
     pub force_n: Vec<f64>,
 }
 
@@ -109,7 +109,7 @@ pub fn damping_ratio(hz: f64, decay_s: f64) -> f64 {
 /// The tails over the logarithms of frequency and time constant: residuals are what the best damped swing leaves.
 struct Swings<'a> {
     tails: &'a [Tail],
-    /// Highest frequency, Hz.
+    /// Highest frequency searched, Hz.
     fastest: f64,
     /// What residuals are counted in, N.
     unit_n: f64,

@@ -34,7 +34,7 @@ const CELLS: usize = 512;
 pub enum FilterKind {
     /// A low-pass of second order before the force is sampled, or none
     Analog,
-    /// The same, digital: applied to the samples
+    /// A low-pass of second order applied to the samples
     Digital,
     /// A linear-phase low-pass before the samples are taken, as in a delta-sigma converter
     LinearPhase,
@@ -143,9 +143,9 @@ pub struct Swing {
     pub cos: f64,
     /// Size of the imaginary part.
     pub sin: f64,
-    /// Frequency, Hz.
+    /// Frequency f, Hz.
     pub hz: f64,
-    /// Time constant, s.
+    /// Time constant τ of its decay, s.
     pub decay_s: f64,
 }
 
@@ -158,11 +158,11 @@ pub struct SensorModel {
     pub offset_n: f64,
     /// A second over what its clock makes of one.
     pub clock: f64,
-    /// The filter.
+    /// Kind of the filter.
     pub model: FilterKind,
-    /// [`FilterKind::unknowns`] of it.
+    /// The filter's numbers, as [`FilterKind::unknowns`] lists them; the rest is 0.
     pub filter: [f64; 3],
-    /// The ringing.
+    /// The surface's ringing; none where it is not sought.
     pub swing: Option<Swing>,
 }
 
@@ -470,7 +470,7 @@ impl<'a> FilteredPulse<'a> {
 }
 
 impl Swing {
-    /// exp(−t/τ + 2πift).
+    /// Real and imaginary part of exp(−t/τ + 2πift), `t` in s.
     fn at(&self, t: f64) -> [f64; 2] {
         let size = (-t / self.decay_s).exp();
         let (sin, cos) = (TAU * self.hz * t).sin_cos();

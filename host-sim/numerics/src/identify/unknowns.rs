@@ -21,7 +21,7 @@ const DECADES: f64 = 3.0;
 enum Scale {
     /// Its logarithm: positive, of unknown size.
     Log,
-    /// Itself.
+    /// Its value, in the unit of its key.
     Plain,
 }
 
@@ -60,11 +60,10 @@ pub struct Unknowns {
 /// A first guess of the contact from the first impact.
 struct Guess {
     mass_kg: f64,
-    /// Approach speed, m/s.
+    /// Speed of the hammer at the first onset, m/s.
     speed: f64,
     /// Rebound speed over approach speed.
     restitution: f64,
-    /// Largest force, N.
     peak_n: f64,
     /// Peak over momentum, 1/s: about the contact's natural frequency.
     omega: f64,

@@ -11,9 +11,9 @@ const CLOSE_CORRELATION: f64 = 0.95;
 pub enum Warning {
     /// Fewer peaks than parameters: many choices of the parameters meet the peaks.
     FewerPeaks {
-        /// Peaks compared.
+        /// Number of peaks compared, one for each impact.
         peaks: usize,
-        /// Parameters sought.
+        /// Number of parameters sought.
         parameters: usize,
     },
     /// As many peaks as parameters: any law meets the peaks.

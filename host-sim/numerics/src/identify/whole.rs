@@ -28,17 +28,17 @@ const SHIFTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Samples over which what is left may hang together.
 const LAGS: usize = 60;
 
-/// What was found.
+/// The best fit of law and sensor to the whole force, and how far noise explains what is left.
 pub struct Whole<'a> {
     /// The problem, its deviation widened by [`Whole::widened`].
     pub shape: ForceShape<'a>,
     /// Where the least is.
     pub best: Solved,
-    /// Searches begun, and how many ended at the best.
+    /// Searches begun, each from another start.
     pub starts: usize,
     /// How many of them ended at about the best cost.
     pub agreeing: usize,
-    /// Models computed.
+    /// Residuals and derivatives computed in all searches.
     pub evaluations: u64,
     /// What deviations were multiplied by, because what is left is more than the noise, or hangs together.
     pub widened: f64,
@@ -50,7 +50,7 @@ pub struct Whole<'a> {
     pub intervals: bool,
     /// What is left beyond noise over the force, both as root mean squares.
     pub beyond_noise: f64,
-    /// The ringing.
+    /// The surface's ringing; none where what is left shows none.
     pub ring: Option<Ring>,
 }
 

@@ -46,7 +46,7 @@ pub fn run_with(
     Ok((outcomes, report))
 }
 
-/// The same, one after the other: a cell that fails takes no other with it.
+/// [`run_with`] with a result for each cell, in their order: a cell that fails takes no other with it.
 pub(super) fn each<'a>(
     instructions: Instructions,
     cells: &'a [Cell],

@@ -61,7 +61,7 @@ pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<CellOutcome, Erro
     parts.into_iter().flatten().collect()
 }
 
-/// The same by `engine`, one cell after the other in every thread.
+/// [`run_each`] by `engine` instead of the lanes, one cell after the other in every thread.
 pub fn each_by_engine(
     engine: Engine,
     cells: &[Cell],

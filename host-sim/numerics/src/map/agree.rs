@@ -21,7 +21,7 @@ pub const FORCE_TOLERANCE: f64 = 1e-3;
 /// Cells compared one by one, and how many agree in what.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Agreement {
-    /// Cells compared.
+    /// Pairs of cells compared.
     pub cells: usize,
     /// Same label: none, aperiodic, chatter, or the same p/n.
     pub same_label: usize,
@@ -44,8 +44,7 @@ impl Agreement {
         let mut found = Self::default();
         for (a, b) in pairs {
             found.cells += 1;
-            let same = a.failed == b.failed && same_label(a.regime, b.regime);
-            found.same_label += usize::from(same);
+            found.same_label += usize::from(same_cell(a, b));
             found.uncertain += usize::from(a.uncertain);
             let (Some(n), Some(m)) = (a.regime.periods(), b.regime.periods()) else {
                 continue;
@@ -59,6 +58,11 @@ impl Agreement {
         }
         found
     }
+}
+
+/// Whether two cells show the same: a run that failed shows nothing, which is not "no contact".
+fn same_cell(a: &MapCell, b: &MapCell) -> bool {
+    a.failed == b.failed && same_label(a.regime, b.regime)
 }
 
 /// Whether two regimes have the same name.
@@ -180,8 +184,9 @@ pub fn similarity(a: &Map, b: &Map) -> Similarity {
             let (Some(row), Some(column)) = (*row, *column) else {
                 continue;
             };
-            let (x, y) = (a.cell(i, j).regime, b.cell(row, column).regime);
-            let same = usize::from(same_label(x, y));
+            let (here, there) = (a.cell(i, j), b.cell(row, column));
+            let (x, y) = (here.regime, there.regime);
+            let same = usize::from(same_cell(here, there));
             found.cells += 1;
             found.same += same;
             if x != Regime::None || y != Regime::None {
@@ -219,6 +224,7 @@ pub(super) fn places(from: &[f64], to: &[f64]) -> Vec<Option<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map::measured::{MeasuredRegime, hits};
     use crate::map::{Grid, Runner};
     use crate::row::NamedRig;
     use shared::model::params::{BEAM_150, BEAM_170, RigParams};
@@ -347,5 +353,16 @@ mod tests {
         let numbers = (found.cells, found.same, found.striking, found.same_striking);
         assert_eq!(numbers, (4, 3, 3, 2));
         assert_eq!((found.orderly, found.same_orderly), (2, 2));
+        // What failed shows nothing: it is neither like "no contact" nor what was measured there.
+        let mut failed = map(BEAM_150, periodic(3, 5));
+        let measured = MeasuredRegime {
+            gap_mm: failed.grid.gaps_mm[0],
+            frequency_hz: failed.grid.frequencies_hz[1],
+            regime: Regime::None,
+        };
+        assert_eq!(hits(&[measured], &failed).same, 1);
+        failed.cells[1] = MapCell::FAILED;
+        assert_eq!(hits(&[measured], &failed).same, 0);
+        assert_eq!(similarity(&map(doubled, aperiodic), &failed).same, 2);
     }
 }

@@ -3,17 +3,17 @@
 use serde::Serialize;
 use shared::model::regime::Regime;
 
-use super::Map;
 use super::agree::{places, same_label};
+use super::{Map, MapCell};
 
-/// One measured point.
+/// A regime measured at one gap and drive frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredRegime {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// What was seen.
+    /// Regime measured there.
     pub regime: Regime,
 }
 
@@ -29,21 +29,24 @@ pub struct Hits {
 }
 
 /// The points that lie on the map, each with what the nearest cell shows.
-pub fn on_map(points: &[MeasuredRegime], map: &Map) -> Vec<(MeasuredRegime, Regime)> {
+pub fn on_map<'a>(points: &[MeasuredRegime], map: &'a Map) -> Vec<(MeasuredRegime, &'a MapCell)> {
     let gaps: Vec<f64> = points.iter().map(|p| p.gap_mm).collect();
     let frequencies: Vec<f64> = points.iter().map(|p| p.frequency_hz).collect();
     let rows = places(&gaps, &map.grid.gaps_mm);
     let columns = places(&frequencies, &map.grid.frequencies_hz);
     let at = rows.into_iter().zip(columns);
     let seen = points.iter().zip(at);
-    seen.filter_map(|(point, at)| Some((*point, map.cell(at.0?, at.1?).regime)))
+    seen.filter_map(|(point, at)| Some((*point, map.cell(at.0?, at.1?))))
         .collect()
 }
 
 /// Compares every point with the nearest cell.
 pub fn hits(points: &[MeasuredRegime], map: &Map) -> Hits {
     let inside = on_map(points, map);
-    let same = |(point, here): &&(MeasuredRegime, Regime)| same_label(*here, point.regime);
+    // A run that failed shows nothing, which is not "no contact".
+    let same = |(point, here): &&(MeasuredRegime, &MapCell)| {
+        !here.failed && same_label(here.regime, point.regime)
+    };
     Hits {
         points: inside.len(),
         outside: points.len() - inside.len(),

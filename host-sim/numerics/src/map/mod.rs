@@ -181,7 +181,7 @@ pub struct CellRow {
     pub gap_mm: f64,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
     pub impacts: u16,
@@ -191,7 +191,7 @@ pub struct CellRow {
     pub regime: row::Outcome,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
-    /// The same, N.
+    /// Largest contact force in the recorded cycles, N.
     pub force_n: f64,
     /// Whether the section had converged.
     pub settled: bool,

@@ -39,9 +39,9 @@ impl Runner {
 pub struct MapRequest {
     /// The rig; its own gap does not count.
     pub rig: NamedRig,
-    /// The cells.
+    /// Gaps and drive frequencies of the cells.
     pub grid: Grid,
-    /// What runs them.
+    /// The engine that runs the cells.
     pub runner: Runner,
     /// Cycles, and how many of the last are recorded.
     pub plan: CellPlan,

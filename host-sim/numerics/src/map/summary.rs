@@ -9,7 +9,7 @@ use crate::row::{Outcome, kind};
 /// A map in a few numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapSummary {
-    /// Cells in all.
+    /// Cells of the map, failed ones included.
     pub cells: usize,
     /// How many show what, the most frequent first.
     pub regimes: Vec<RegimeShare>,
@@ -30,31 +30,31 @@ pub struct MapSummary {
 /// How many cells show a regime.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RegimeShare {
-    /// Which.
+    /// The regime, without its count of impacts if it is aperiodic or chatter; or that the motion still changes.
     pub regime: Outcome,
-    /// How many.
+    /// Cells that show it.
     pub cells: usize,
 }
 
 /// The cell with the largest force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StrongestCell {
-    /// Its regime.
+    /// Regime of the cell, or that it has not settled.
     pub regime: Outcome,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Contact force over m g.
     pub force_ratio: f64,
-    /// The same, N.
+    /// Largest contact force in the recorded cycles, N.
     pub force_n: f64,
 }
 
 impl MapSummary {
-    /// Of `map`.
+    /// The summary of `map`.
     pub fn of(map: &Map) -> Self {
         let mut regimes: Vec<RegimeShare> = Vec::new();
         // Neighbours are mostly alike: the kinds are few, and the last one found is tried first.

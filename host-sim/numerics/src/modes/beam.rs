@@ -40,9 +40,9 @@ pub struct Beam {
 /// A mode, its shape scaled to 1 at the hammer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BendingMode {
-    /// λ = βL.
+    /// λ = βL, dimensionless: a root of the frequency equation.
     pub root: f64,
-    /// ω_i, rad/s.
+    /// Natural frequency ω_i, undamped, rad/s.
     pub omega: f64,
     /// m_i = ∫μφ² dx + M, kg.
     pub mass_kg: f64,

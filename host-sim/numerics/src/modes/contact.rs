@@ -18,9 +18,9 @@ const NUMBERS: usize = 2 * MAX_MODES;
 /// The modes while the hammer touches.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactFlow<'a> {
-    /// The rig.
+    /// The rig in modal coordinates.
     pub rig: &'a ModalRig,
-    /// Ω, rad/s.
+    /// Drive frequency Ω, rad/s.
     pub omega: f64,
 }
 

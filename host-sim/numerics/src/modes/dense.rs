@@ -8,7 +8,7 @@ pub struct Square {
 }
 
 impl Square {
-    /// All zeros.
+    /// The zero matrix with `size` rows.
     pub fn zero(size: usize) -> Self {
         Self {
             size,
@@ -16,7 +16,7 @@ impl Square {
         }
     }
 
-    /// The identity.
+    /// The identity matrix with `size` rows.
     pub fn one(size: usize) -> Self {
         let mut one = Self::zero(size);
         for i in 0..size {
@@ -25,7 +25,7 @@ impl Square {
         one
     }
 
-    /// Row `i`.
+    /// Row `i`, counted from 0.
     pub fn row(&self, i: usize) -> &[f64] {
         &self.at[i * self.size..(i + 1) * self.size]
     }
@@ -181,12 +181,12 @@ impl Series {
 pub struct Polynomial(Vec<f64>);
 
 impl Polynomial {
-    /// At `h`.
+    /// Value of the polynomial at `h`.
     pub fn at(&self, h: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * h + c)
     }
 
-    /// Its slope there.
+    /// Derivative of the polynomial at `h`.
     pub fn slope(&self, h: f64) -> f64 {
         let terms = self.0.iter().enumerate().skip(1).rev();
         terms.fold(0.0, |sum, (k, c)| sum * h + k as f64 * c)

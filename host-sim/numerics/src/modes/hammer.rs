@@ -18,7 +18,7 @@ const FIRST_STEP_S: f64 = 1e-6;
 /// Steps after which a period is given up.
 const MAX_STEPS_PER_PERIOD: u64 = 1_000_000;
 
-/// Watches a run.
+/// Is told of every flight and of every step in contact while a [`Hammer`] runs.
 pub trait ModesWatch {
     /// The flight was followed from `from` to `to` (s after drive phase 0).
     fn flight(&mut self, _flight: &Flight, _from: f64, _to: f64) {}
@@ -26,7 +26,7 @@ pub trait ModesWatch {
     fn contact(&mut self, _end: &ModalState, _totals: &FlowTotals) {}
 }
 
-/// Watches nothing.
+/// For runs that nobody watches.
 impl ModesWatch for () {}
 
 /// A hammer on beam springs with modes, from drive phase 0 to drive phase 0.
@@ -59,7 +59,7 @@ impl Hammer {
         }
     }
 
-    /// The rig.
+    /// The rig in modal coordinates.
     pub fn rig(&self) -> &ModalRig {
         &self.rig
     }

@@ -42,7 +42,7 @@ pub struct ModalRig {
     pub modes: Vec<BendingMode>,
     /// ζ of every mode.
     pub damping_ratio: f64,
-    /// A0, m.
+    /// Cart amplitude A0, m.
     pub amplitude_m: f64,
     /// Clearance at rest, m.
     pub gap_m: f64,
@@ -57,7 +57,7 @@ pub struct ModalState {
     pub t: f64,
     /// η_i, m: what each mode moves the hammer, relative to the cart.
     pub q: PerMode,
-    /// η̇_i, m/s.
+    /// η̇_i, m/s: rates of the modal coordinates.
     pub v: PerMode,
 }
 
@@ -67,7 +67,7 @@ impl ModalState {
         self.q.iter().sum()
     }
 
-    /// Δ̇, m/s.
+    /// Δ̇, m/s: rate of the hammer's displacement relative to the cart.
     pub fn tip_rate(&self) -> f64 {
         self.v.iter().sum()
     }

@@ -22,12 +22,12 @@ use crate::row::{regime_as_text, tidy};
 /// displacement to some 1e-4 of them.
 const SAMPLES: f64 = 512.0;
 
-/// What is run.
+/// A beam rig run at several drive frequencies with several numbers of modes.
 #[derive(Clone, Debug)]
 pub struct ModesRequest<'a> {
-    /// The rig.
+    /// The rig, which must be on beam springs.
     pub rig: &'a NamedRig,
-    /// Its springs.
+    /// Its beam springs: their mass, and how the hammer holds their end.
     pub beam: Beam,
     /// Numbers of modes, one run each.
     pub counts: &'a [usize],
@@ -71,7 +71,7 @@ impl ModesRequest<'_> {
 /// What the recorded cycles of a run showed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModalObservation {
-    /// The regime.
+    /// Regime over the recorded cycles.
     pub regime: Regime,
     /// Largest contact force, N.
     pub force_n: f64,
@@ -264,22 +264,22 @@ pub struct ModesRow {
     pub tip: TipJoint,
     /// Mass of the springs over the hammer's.
     pub springs_mass_ratio: f64,
-    /// Modes kept.
+    /// Number of bending modes kept.
     pub modes: usize,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Over the first mode's.
+    /// Drive frequency over the first mode's natural frequency.
     pub frequency_ratio: f64,
     /// "p/n", "none", "aperiodic" or "chatter".
     #[serde(serialize_with = "regime_as_text")]
     pub regime: Regime,
-    /// p.
+    /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
     pub impacts: u16,
-    /// n.
+    /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
     /// Largest contact force over the hammer's weight.
     pub force_ratio: f64,
-    /// The same, N.
+    /// Largest contact force, N.
     pub force_n: f64,
     /// Approach speed of the strongest contact, m/s.
     pub approach_speed_m_per_s: Option<f64>,
@@ -301,13 +301,13 @@ pub struct ModesRow {
     pub damping_loss_mw: f64,
     /// Share of the energy in mode 2.
     pub energy_share_2: f64,
-    /// In mode 3.
+    /// Share of the energy in mode 3.
     pub energy_share_3: f64,
-    /// In mode 4.
+    /// Share of the energy in mode 4.
     pub energy_share_4: f64,
-    /// In mode 5.
+    /// Share of the energy in mode 5.
     pub energy_share_5: f64,
-    /// In modes 6 to 8.
+    /// Share of the energy in modes 6 to 8.
     pub energy_share_6_to_8: f64,
 }
 

@@ -32,7 +32,7 @@ pub fn loop_force_n(params: &RigParams, orbit: &Orbit) -> Option<f64> {
 struct Largest {
     cart: Cart<f64>,
     omega: f64,
-    /// A0 Ω², m/s².
+    /// Peak acceleration of the cart's course, A0 Ω², m/s².
     acceleration: f64,
     force_n: f64,
 }

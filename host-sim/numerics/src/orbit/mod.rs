@@ -58,7 +58,7 @@ impl Orbit {
         self.monodromy.multipliers()
     }
 
-    /// The same as real and imaginary parts.
+    /// The two leading multipliers as (real part, imaginary part); of a complex pair the one above the real axis first.
     pub fn eigenvalues(&self) -> [(f64, f64); 2] {
         self.monodromy.leading()
     }
@@ -132,7 +132,7 @@ pub enum Stability {
     /// It neither grows nor dies away: the multipliers lie on the unit circle, since nothing takes energy. The linear
     /// theory does not decide.
     Neutral,
-    /// It grows.
+    /// It grows: a multiplier lies outside the unit circle.
     Unstable,
 }
 
@@ -158,7 +158,7 @@ pub(crate) struct Exactness {
 }
 
 impl Exactness {
-    /// To rounding.
+    /// To rounding: what [`shoot`] gives.
     pub(crate) const FULL: Self = Self {
         tolerance: TOLERANCE,
         closure: CLOSURE,
@@ -186,7 +186,7 @@ pub fn shoot(params: &RigParams, frequency_hz: f64, guess: [f64; 2]) -> Option<O
     shoot_periods(params, frequency_hz, guess, 1)
 }
 
-/// The same for an orbit that repeats after `periods` drive periods. One that repeats sooner is found, too:
+/// [`shoot`] for an orbit that repeats after `periods` drive periods. One that repeats sooner is found, too:
 /// [`Orbit::asymmetry`] tells them apart.
 pub fn shoot_periods(
     params: &RigParams,
@@ -197,7 +197,7 @@ pub fn shoot_periods(
     shoot_at(params, frequency_hz, on_course(guess), periods)
 }
 
-/// The same from a guess of the cart's deviation as well.
+/// [`shoot_periods`] from a guess of the cart's deviation as well.
 pub fn shoot_at(
     params: &RigParams,
     frequency_hz: f64,
@@ -207,7 +207,7 @@ pub fn shoot_at(
     shoot_to(Exactness::FULL, params, frequency_hz, guess, periods)
 }
 
-/// The same to another exactness than the full one.
+/// [`shoot_at`] to this `exactness` instead of the full one.
 pub(crate) fn shoot_to(
     exactness: Exactness,
     params: &RigParams,
@@ -284,7 +284,7 @@ impl ReturnMapImage {
         Self::to(Exactness::FULL, params, frequency_hz, x, periods)
     }
 
-    /// The same to another exactness than the full one.
+    /// [`Self::of`] to this `exactness` instead of the full one.
     fn to(
         exactness: Exactness,
         params: &RigParams,
@@ -300,7 +300,7 @@ impl ReturnMapImage {
         }
     }
 
-    /// The same, with derivatives along the first `N` directions of the section.
+    /// [`Self::of`] to this `tolerance`, with derivatives along the first `N` directions of the section.
     fn along<const N: usize>(
         tolerance: f64,
         params: &RigParams,

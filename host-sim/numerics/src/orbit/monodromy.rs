@@ -96,7 +96,7 @@ impl Monodromy {
         }
     }
 
-    /// The same as real and imaginary parts.
+    /// The two leading eigenvalues as (real part, imaginary part); of a complex pair the one above the real axis first.
     pub fn leading(&self) -> [(f64, f64); 2] {
         if self.size > 2 {
             let found = self.matrix().complex_eigenvalues();
@@ -117,7 +117,7 @@ impl Monodromy {
         }
     }
 
-    /// det(I + M).
+    /// det(I + M): passes 0 where a multiplier passes −1, a period doubling.
     pub fn doubling_test(&self) -> f64 {
         if self.size > 2 {
             return (Matrix4::identity() + self.matrix()).determinant();
@@ -126,7 +126,7 @@ impl Monodromy {
         1.0 + (a + d) + (a * d - b * c)
     }
 
-    /// det(I − M).
+    /// det(I − M): passes 0 where a multiplier passes +1, a fold.
     pub fn fold_test(&self) -> f64 {
         if self.size > 2 {
             return (Matrix4::identity() - self.matrix()).determinant();

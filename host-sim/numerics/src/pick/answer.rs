@@ -81,7 +81,7 @@ impl BestPoint {
     }
 }
 
-/// The answer.
+/// The operating point picked for a rig: how strong, how safe, and what it asks of the shaker.
 #[derive(Clone, Debug, Serialize)]
 pub struct PickAnswer {
     /// Name of the rig.
@@ -96,7 +96,7 @@ pub struct PickAnswer {
     pub recoil_force_ratio: Option<f64>,
     /// The frequency of that, Hz.
     pub recoil_frequency_hz: Option<f64>,
-    /// The same with the cart as prescribed.
+    /// Force ratio with a prescribed cart, found likewise; none where no stable 1/1 is within the limits.
     pub prescribed_force_ratio: Option<f64>,
     /// The frequency of that, Hz.
     pub prescribed_frequency_hz: Option<f64>,
@@ -105,7 +105,7 @@ pub struct PickAnswer {
     pub shaker_loop: Option<LoopParams>,
     /// The frequency to run at, Hz.
     pub operating_frequency_hz: f64,
-    /// The same over the natural frequency.
+    /// Operating frequency over the natural frequency.
     pub frequency_ratio: f64,
     /// The regime of the orbit picked, as a run that starts on it shows.
     #[serde(serialize_with = "regime_as_text")]
@@ -116,7 +116,7 @@ pub struct PickAnswer {
     /// Drive periods from rest after which the peak force stays within 1 % of `force_n`; none if a run from rest settles on
     /// another motion, or not within 480 periods.
     pub force_settling_cycles: Option<u32>,
-    /// The same, s.
+    /// Time from rest after which the peak force stays within 1 % of `force_n`, s; none if it does not.
     pub force_settling_s: Option<f64>,
     /// Corners of the uncertainty.
     pub corners: usize,
@@ -124,15 +124,15 @@ pub struct PickAnswer {
     pub corners_reaching_one_one_from_rest: usize,
     /// Contact force over m g there.
     pub force_ratio: f64,
-    /// The same, N.
+    /// Largest contact force at the operating frequency, N.
     pub force_n: f64,
     /// Smallest force ratio over the uncertainty.
     pub force_ratio_worst: f64,
     /// Largest force ratio over the uncertainty.
     pub force_ratio_largest: f64,
-    /// Approach speed, m/s.
+    /// Speed at which the hammer meets the surface on the orbit picked, m/s.
     pub approach_speed_m_per_s: f64,
-    /// Contact time, ms.
+    /// How long the contact with the largest force lasts on the orbit picked, ms.
     pub contact_time_ms: f64,
     /// Where the nominal 1/1 is stable and its force above 90 % of that at the operating frequency, Hz.
     pub band_hz: [f64; 2],
@@ -154,7 +154,7 @@ pub struct PickAnswer {
     pub period_doubling_hz: Option<f64>,
     /// Largest modulus of the monodromy matrix's eigenvalues at the operating point.
     pub multipliers: f64,
-    /// The same, largest over the uncertainty.
+    /// Largest modulus of the monodromy matrix's eigenvalues over the uncertainty, at the operating point.
     pub multipliers_worst: f64,
     /// Whether the hammer never jumps: up and down sweeps across the stable 1/1 give the same forces, and it does not end
     /// in a fold.
@@ -166,7 +166,7 @@ pub struct PickAnswer {
     pub jump_range_hz: Option<[f64; 2]>,
     /// Best nominal frequency, no uncertainty and no limits, Hz.
     pub nominal_optimum_hz: f64,
-    /// Its force ratio.
+    /// Contact force over m g at `nominal_optimum_hz`.
     pub nominal_optimum_force_ratio: f64,
     /// Impact power at the operating frequency: energy per contact times contacts per second, W.
     pub impact_power_w: f64,

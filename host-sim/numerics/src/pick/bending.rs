@@ -86,7 +86,7 @@ pub struct Bending {
     pub modes_force_ratio: Option<f64>,
     /// Smallest force ratio there over the uncertainty, the springs' mass included.
     pub modes_force_ratio_worst: Option<f64>,
-    /// The largest.
+    /// Largest force ratio at the operating frequency over the uncertainty, the springs' mass included.
     pub modes_force_ratio_largest: Option<f64>,
     /// Largest modulus of a multiplier there over the uncertainty.
     pub modes_multipliers_worst: Option<f64>,
@@ -108,12 +108,12 @@ pub struct Bending {
     pub safe_band_force_share_any_springs: Option<f64>,
 }
 
-/// What is checked.
+/// A pick made with one mode, to be checked with more of them.
 #[derive(Clone, Copy)]
 pub struct BendingRequest<'a> {
-    /// The nominal rig.
+    /// Parameters of the nominal rig.
     pub params: &'a RigParams,
-    /// Its springs.
+    /// Its beam springs, and how far their mass is uncertain.
     pub springs: Springs,
     /// The rigs of the uncertainty; none if the parameters are exact.
     pub members: &'a [Member],
@@ -132,7 +132,7 @@ pub struct BendingRequest<'a> {
 /// What the modes say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bent {
-    /// For the answer.
+    /// What the modes change, for the answer.
     pub bending: Bending,
     /// The frequency to run at, Hz.
     pub chosen_hz: f64,

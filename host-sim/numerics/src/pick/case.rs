@@ -44,7 +44,7 @@ pub trait PickCase: Case {
     /// The first parameter out of range.
     fn check(&self) -> Result<(), Error>;
 
-    /// The same with another rig.
+    /// This case with the rig of `params`.
     fn with(&self, params: &RigParams) -> Self;
 
     /// What a pick asks of `orbit`.

@@ -12,9 +12,9 @@ use crate::limits::{LimitUse, PickLimits};
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
 
-/// The orbit chosen.
+/// The operating point chosen: its orbit, and what bounds it.
 pub struct ChosenOrbit<C: PickCase = RigParams> {
-    /// The nominal orbit.
+    /// Orbit of the nominal rig there.
     pub orbit: C::Orbit,
     /// What it is worth over the uncertainty.
     pub spread: Spread,
@@ -28,16 +28,16 @@ pub struct ChosenOrbit<C: PickCase = RigParams> {
 pub struct PickField<'a, C: PickCase = RigParams> {
     /// The nominal rig.
     pub rig: &'a NamedRig,
-    /// Its stable 1/1.
+    /// Branch of its stable 1/1.
     pub branch: &'a Branch<C>,
-    /// The uncertainty's members.
+    /// The rigs of the uncertainty; none if the parameters are exact.
     pub members: &'a [C::Followed],
     /// Who can end the search.
     pub progress: &'a dyn Progress,
 }
 
 impl<'a, C: PickCase> PickField<'a, C> {
-    /// The same with other members.
+    /// This field with `members` in place of its own.
     fn asking<'b>(&self, members: &'b [C::Followed]) -> PickField<'b, C>
     where
         'a: 'b,
@@ -79,7 +79,7 @@ impl<'a, C: PickCase> PickField<'a, C> {
         Some(orbit)
     }
 
-    /// The same within the force that the shaker can give, too.
+    /// [`Self::within_force`], if the force of the shaker is within its limit, too.
     fn within(&self, hz: f64, limits: PickLimits) -> Option<C::Orbit> {
         let orbit = self.within_force(hz, limits.max_force_n)?;
         let params = &self.rig.params;

@@ -14,7 +14,7 @@ use crate::uncertainty::Member;
 /// A rig of the uncertainty and what is known of its stable 1/1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Followed {
-    /// Which.
+    /// How far its parameters are off the nominal ones.
     pub member: Member,
     /// Its orbits by rising frequency; empty where it has not been followed.
     pub orbits: Vec<KnownOrbit>,

@@ -19,12 +19,12 @@ const ON_ORBIT: f64 = 0.05;
 /// A gap whose force is below this share of the largest is not advised.
 const FORCE_SHARE: f64 = 0.8;
 
-/// One gap.
+/// A gap, and the operating point there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtGap {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// The same over A0.
+    /// Clearance at rest over the cart amplitude A0.
     pub gap_over_amplitude: f64,
     /// The operating point there, or why there is none.
     pub pick: Result<GapPick, Error>,
@@ -35,7 +35,7 @@ pub struct AtGap {
 pub struct GapPick {
     /// The frequency to run at, Hz.
     pub operating_frequency_hz: f64,
-    /// The same over the natural frequency.
+    /// Operating frequency over the natural frequency.
     pub frequency_ratio: f64,
     /// Contact force over m g there.
     pub force_ratio: f64,
@@ -78,7 +78,7 @@ pub struct GapAdvice {
     pub starts: u32,
     /// Their lowest displacement, mm; the upper end is the gap.
     pub from_displacement_mm: f64,
-    /// Their velocities, m/s.
+    /// Lowest and highest velocity of the starts, relative to the cart, m/s.
     pub velocity_m_per_s: [f64; 2],
 }
 

@@ -57,15 +57,15 @@ pub const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 /// The answer and what its picture is drawn from.
 #[derive(Clone, Debug)]
 pub struct Pick {
-    /// The answer.
+    /// The operating point, with all that tables and text say of it.
     pub answer: PickAnswer,
     /// The nominal stable 1/1: (Hz, force ratio).
     pub curve: Vec<(f64, f64)>,
     /// Where 1/1 is stable over the whole uncertainty: (Hz, smallest and largest force ratio over it). Empty without one.
     pub force_range: Vec<[f64; 3]>,
-    /// The sweep up across it.
+    /// The sweep up across the stable 1/1, rows by rising frequency.
     pub up: Vec<RunRow>,
-    /// The sweep down.
+    /// The sweep down across the stable 1/1, rows by rising frequency.
     pub down: Vec<RunRow>,
     /// Section of the orbit picked, in A0 and A0 Ω of the rig's coordinate.
     pub section: [f64; 2],

@@ -15,11 +15,11 @@ pub struct Outline {
     pub rig: String,
     /// Where the stable 1/1 is strongest, Hz.
     pub nominal_optimum_hz: f64,
-    /// The same over the natural frequency.
+    /// `nominal_optimum_hz` over the natural frequency.
     pub frequency_ratio: f64,
     /// Contact force over m g there.
     pub nominal_optimum_force_ratio: f64,
-    /// The same, N.
+    /// Contact force at `nominal_optimum_hz`, N.
     pub force_n: f64,
     /// Share of that force down to which the band reaches.
     pub band_share: f64,

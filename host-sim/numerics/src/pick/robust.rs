@@ -50,7 +50,7 @@ pub(crate) fn with_reserve(robust: (f64, f64), uncertain: bool) -> (f64, f64) {
 
 /// Where every member has a stable 1/1.
 pub struct Robust<C: PickCase = RigParams> {
-    /// Hz.
+    /// Lowest and highest frequency at which every member has a stable 1/1, Hz.
     pub hz: (f64, f64),
     /// The members, and what is known of their orbits there.
     pub members: Vec<C::Followed>,

@@ -35,7 +35,7 @@ const JUMP_PLAN: Plan = Plan {
 pub struct Jumps {
     /// The sweep up across the nominal stable 1/1; empty on ground.
     pub up: Vec<RunRow>,
-    /// The sweep down.
+    /// The sweep down across the nominal stable 1/1, rows by rising frequency; empty on ground.
     pub down: Vec<RunRow>,
     /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
     pub at_hz: Vec<f64>,
@@ -77,7 +77,7 @@ pub(crate) fn judged<C: Case>(mut differ: Vec<f64>, branch: &Branch<C>) -> Vec<f
     differ
 }
 
-/// [`Runs::settling_cycles`].
+/// Drive periods from rest until the force stays within [`SETTLED_SHARE`] of that of `chosen`; none if it does not.
 fn settling_cycles(params: &RigParams, chosen: &Orbit) -> Result<Option<u32>, Error> {
     let mut hammer = machine(Engine::Event, params, chosen.frequency_hz, Start::Rest)?;
     let mut arrival = Arrival::of(hammer.as_ref(), STILL);

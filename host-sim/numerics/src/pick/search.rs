@@ -72,13 +72,13 @@ pub fn spread_of_members<C: PickCase>(
 /// Smallest and largest values over members.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Smallest worth ([`super::case::OrbitNumbers`]).
+    /// Smallest of what is made largest: contact force, N, or rate of penetration, m/s.
     pub least: f64,
-    /// Largest worth.
+    /// Largest of what is made largest: contact force, N, or rate of penetration, m/s.
     pub most: f64,
-    /// Smallest force, N.
+    /// Smallest contact force, N.
     pub weakest_n: f64,
-    /// Largest force, N.
+    /// Largest contact force, N.
     pub strongest_n: f64,
     /// The member that has it; none if it is the nominal rig.
     pub strongest: Option<usize>,

@@ -15,7 +15,7 @@ use crate::uncertainty::Uncertainty;
 /// Change of the nominal optimum with one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
-    /// Which parameter.
+    /// Name of the parameter, as rig files have it, or in words; in brackets what is kept as it is.
     pub parameter: &'static str,
     /// The change it is per: "1 %" of the parameter, or "0.01 mm" of gap.
     pub per: &'static str,
@@ -25,9 +25,9 @@ pub struct Sensitivity {
     pub force_percent: f64,
     /// How well the parameter is known, % either way; none for the gap, and where no uncertainty is stated.
     pub uncertainty_percent: Option<f64>,
-    /// The same for the gap, mm either way.
+    /// How well the gap is known, mm either way; none for other parameters.
     pub uncertainty_mm: Option<f64>,
-    /// The same for a parameter that is known to a factor.
+    /// The contact stiffness is up to this many times as large, or as small; none where it is known in %.
     pub uncertainty_factor: Option<f64>,
     /// How far the best frequency is uncertain because of it, % either way.
     pub frequency_over_uncertainty_percent: Option<f64>,
@@ -75,8 +75,8 @@ impl Sensitivity {
             .filter(|[_, high]| *high > 0.0)
     }
 
-    /// The same row for a parameter known as well as `uncertainty` says. Where the damping ratio is known, the damping of the
-    /// spring-dashpot goes with its stiffness.
+    /// This row for a parameter known as well as `uncertainty` says. Where the damping ratio is known, the damping of
+    /// the spring-dashpot goes with its stiffness.
     #[must_use]
     pub fn known_to(mut self, uncertainty: &Uncertainty, contact: &Law<f64>) -> Self {
         let together = matches!(contact, Law::SpringDashpot { .. })
@@ -110,7 +110,7 @@ impl Sensitivity {
         self.over(percent)
     }
 
-    /// The same row with what a factor does: a power of it, whose exponent is the slope.
+    /// This row with what an uncertainty of `factor` does: a power of it, whose exponent is the slope.
     fn over_factor(mut self, factor: f64) -> Self {
         let upwards = |percent: f64| 100.0 * (factor.powf(percent.abs()) - 1.0);
         self.frequency_over_uncertainty_percent = Some(upwards(self.frequency_percent));
@@ -118,7 +118,7 @@ impl Sensitivity {
         self
     }
 
-    /// The same row with what `steps` of the parameter do.
+    /// This row with what an uncertainty of so many `steps` (of 1 % or 0.01 mm) does, by the slope.
     fn over(mut self, steps: f64) -> Self {
         self.frequency_over_uncertainty_percent = Some(self.frequency_percent.abs() * steps);
         self.force_over_uncertainty_percent = Some(self.force_percent.abs() * steps);

@@ -21,7 +21,7 @@ pub struct Smoothing {
     pub epsilon_m: f64,
     /// Section at drive phase 0: displacement (mm) and velocity (m/s) relative to the cart.
     pub points: Vec<(f64, f64)>,
-    /// Its figures.
+    /// Figures of the section by the smoothing method.
     pub summary: SectionSummary,
 }
 
@@ -46,20 +46,20 @@ pub struct SectionSummary {
     pub variation: f64,
     /// Largest Lyapunov exponent, nats per drive period.
     pub largest_exponent_per_period: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the largest Lyapunov exponent, nats per drive period.
     pub exponent_error_per_period: Option<f64>,
 }
 
 /// The switch, the switch from another start (what two equal models differ by), and the smoothed ones.
 #[derive(Clone, Debug)]
 pub struct SectionComparison {
-    /// The switch's portrait.
+    /// The section by the switch.
     pub exact: Portrait,
-    /// Its figures.
+    /// Figures of the section by the switch.
     pub summary: SectionSummary,
     /// The switch again, from another start: no distance below this one's means anything.
     pub again: SectionSummary,
-    /// By falling width.
+    /// The sections by the smoothing method, by falling width.
     pub smoothed: Vec<Smoothing>,
 }
 
@@ -222,7 +222,7 @@ impl<'a> Compared<'a> {
     }
 }
 
-/// Points over `units`.
+/// Displacement (mm) and velocity (m/s) of `points`, divided by `units`.
 fn cloud(points: &[(f64, f64)], units: (f64, f64)) -> Vec<(f64, f64)> {
     points
         .iter()

@@ -18,13 +18,13 @@ pub struct SectionAnswer {
     pub cart: CartModel,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Regime over all recorded periods, or that nothing repeats and the motion still changes.
     pub regime: Outcome,
     /// Largest contact force, N.
     pub force_n: f64,
-    /// The same over m g.
+    /// Largest contact force over m g.
     pub force_ratio: f64,
     /// Points of each section.
     pub points: u32,

@@ -19,7 +19,7 @@ use crate::progress::{Progress, check, step};
 use crate::reference::{Reference, Segment, TrajectoryObserver};
 use crate::row::Outcome;
 
-/// What to compute.
+/// The sections to compute of one trajectory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionRequest {
     /// The rig, with its gap.
@@ -45,7 +45,7 @@ pub struct SectionPoint {
     pub period: u64,
     /// l sin θ or Δ, mm.
     pub relative_displacement_mm: f64,
-    /// Its rate, m/s.
+    /// Rate of l sin θ or Δ, m/s.
     pub relative_velocity_m_per_s: f64,
     /// In the fixed frame (3-18): x, mm.
     pub displacement_mm: f64,

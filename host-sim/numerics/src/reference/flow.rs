@@ -11,7 +11,7 @@ use crate::flow::{Flow, FlowStep, Scalar};
 /// Integrated beside the motion: where energy and momentum went since the last reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowTotals {
-    /// ∫F dt, N·s.
+    /// Impulse of the contact force, ∫F dt, N·s.
     pub impulse: f64,
     /// Energy taken by the contact, J.
     pub contact_work: f64,
@@ -36,9 +36,9 @@ impl FlowTotals {
 pub struct FlowPoint<R> {
     /// Time since drive phase 0, s.
     pub t: R,
-    /// Coordinate.
+    /// The hammer's coordinate ([`shared::model::rig`]): rad on wires, m on beams.
     pub q: R,
-    /// Its rate.
+    /// Rate of the coordinate, rad/s or m/s.
     pub v: R,
     /// Deviation of the cart from its course (m) and its rate (m/s): 0 where the cart is prescribed.
     pub cart: [R; 2],
@@ -55,7 +55,7 @@ impl<R: Scalar> FlowPoint<R> {
         }
     }
 
-    /// Without derivatives.
+    /// This point in plain numbers, its derivatives dropped.
     pub fn in_values(&self) -> FlowPoint<f64> {
         FlowPoint {
             t: self.t.to_f64(),
@@ -69,17 +69,17 @@ impl<R: Scalar> FlowPoint<R> {
 /// The hammer under a rig and a drive on one side of the switch.
 #[derive(Clone, Copy, Debug)]
 pub struct HammerFlow<'a, R> {
-    /// The rig.
+    /// The rig, in numbers that may carry derivatives.
     pub rig: &'a Rig<R>,
     /// Rig and cart in plain numbers.
     pub plain: (&'a Rig<f64>, Option<&'a Cart<f64>>),
-    /// Ω, rad/s.
+    /// Drive frequency Ω, rad/s.
     pub omega: f64,
-    /// A0 Ω², m/s².
+    /// Peak acceleration of the cart's course, A0 Ω², m/s².
     pub drive_acceleration: f64,
     /// Side of the switch.
     pub mode: SwitchMode,
-    /// δ̇⁻, m/s.
+    /// δ̇⁻, m/s: approach speed at the onset of the contact, which some laws need.
     pub approach: R,
     /// Arctangents in place of the switch; then the side counts for nothing.
     pub smoothed: Option<Smoothed<R>>,
@@ -91,7 +91,7 @@ pub struct HammerFlow<'a, R> {
 
 /// Accelerations at a point, and what acts there.
 struct Acting<R> {
-    /// q̈.
+    /// q̈: acceleration of the hammer's coordinate.
     acceleration: R,
     /// ë of the cart, m/s².
     deviation: R,
@@ -105,7 +105,7 @@ struct Acting<R> {
 pub type HammerStep<R> = FlowStep<R, FlowPoint<R>, FlowTotals>;
 
 impl<'a, R: Scalar> HammerFlow<'a, R> {
-    /// The same flow in plain numbers: what needs no derivatives is cheaper there.
+    /// This flow in plain numbers: what needs no derivatives is cheaper there.
     pub fn in_values(&self) -> HammerFlow<'a, f64> {
         let (rig, cart) = self.plain;
         HammerFlow {

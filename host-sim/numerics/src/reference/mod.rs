@@ -43,11 +43,11 @@ const MAX_STEPS_PER_PERIOD: u64 = 200_000;
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<R> {
     rig: Rig<R>,
-    /// The same rig in f64, for observers.
+    /// The rig in f64, for observers.
     plain: Rig<f64>,
     /// A cart that recoils.
     cart: Option<Cart<R>>,
-    /// The same in f64.
+    /// The cart that recoils, in f64.
     plain_cart: Option<Cart<f64>>,
     omega: f64,
     period_s: f64,
@@ -95,7 +95,7 @@ impl<R: Scalar> Reference<R> {
         Ok(hammer)
     }
 
-    /// The same on the side of the switch on which there is no contact, wherever it is.
+    /// [`Self::new`], but on the side of the switch on which there is no contact, wherever the hammer is.
     fn in_flight(params: &RigParams, frequency_hz: f64, q: R, v: R) -> Result<Self, ParamError> {
         assert!(frequency_hz > 0.0 && frequency_hz.is_finite());
         let plain = Rig::<f64>::new(params)?;
@@ -138,7 +138,7 @@ impl<R: Scalar> Reference<R> {
         }
     }
 
-    /// The same state, at drive `phase` (turns, from 0 to below 1) instead of 0: the first period run is what is left
+    /// This state at drive `phase` (turns, from 0 to below 1) instead of 0: the first period run is what is left
     /// of one.
     #[must_use]
     pub fn from_phase(mut self, phase: f64) -> Self {
@@ -150,7 +150,7 @@ impl<R: Scalar> Reference<R> {
         self
     }
 
-    /// The same with errors per step kept below another share of A0 and A0 Ω than [`TOLERANCE`].
+    /// This hammer with errors per step kept below another share of A0 and A0 Ω than [`TOLERANCE`].
     #[must_use]
     pub(crate) fn with_tolerance(mut self, tolerance: f64) -> Self {
         let by = tolerance / self.tolerance;
@@ -159,7 +159,7 @@ impl<R: Scalar> Reference<R> {
         self
     }
 
-    /// The same state with the cart `deviation` (m, m/s) off its course; one that is prescribed keeps to it.
+    /// This state with the cart `deviation` (m, m/s) off its course; one that is prescribed keeps to it.
     #[must_use]
     pub fn with_cart(mut self, deviation: [R; 2]) -> Self {
         if self.cart.is_some() {

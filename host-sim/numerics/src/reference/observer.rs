@@ -16,11 +16,11 @@ pub struct LocatedContact {
     pub approach_speed_m_per_s: f64,
     /// −δ̇ at release, m/s.
     pub rebound_speed_m_per_s: f64,
-    /// Largest force, N.
+    /// Largest contact force, N.
     pub peak_force_n: f64,
     /// When the force was largest, s.
     pub peak_at_s: f64,
-    /// ∫F dt, N·s.
+    /// Impulse of the contact force, ∫F dt, N·s.
     pub impulse_n_s: f64,
     /// Energy the contact took from the hammer, J.
     pub energy_lost_j: f64,
@@ -29,7 +29,7 @@ pub struct LocatedContact {
 /// A smooth piece of the trajectory, as an observer sees it: quintic in between.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a> {
-    /// The rig.
+    /// The rig that moves, in plain numbers.
     pub rig: &'a Rig<f64>,
     /// Whole drive periods before this one.
     pub cycle: u64,
@@ -39,11 +39,11 @@ pub struct Segment<'a> {
     pub mode: SwitchMode,
     /// δ̇⁻ of the contact, m/s.
     pub approach: f64,
-    /// Start.
+    /// Where the piece starts.
     pub start: FlowPoint<f64>,
     /// Acceleration at the start.
     pub start_acceleration: f64,
-    /// End.
+    /// Where the piece ends.
     pub end: FlowPoint<f64>,
     /// Acceleration at the end.
     pub end_acceleration: f64,
@@ -100,7 +100,7 @@ impl Segment<'_> {
     }
 }
 
-/// Watches a trajectory.
+/// Is told of every smooth piece and every finished contact of a trajectory while it is integrated.
 pub trait TrajectoryObserver {
     /// A smooth piece was integrated.
     fn segment(&mut self, _segment: &Segment) {}
@@ -108,10 +108,10 @@ pub trait TrajectoryObserver {
     fn contact(&mut self, _contact: &LocatedContact) {}
 }
 
-/// Watches nothing.
+/// For runs that nobody watches.
 impl TrajectoryObserver for () {}
 
-/// Keeps the contacts.
+/// Keeps every finished contact, in time.
 impl TrajectoryObserver for Vec<LocatedContact> {
     fn contact(&mut self, contact: &LocatedContact) {
         self.push(*contact);

@@ -76,7 +76,7 @@ impl Choice for CartChoice {
 /// What a pick makes largest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Objective {
-    /// The contact force.
+    /// The contact force on a surface that stays.
     Force,
     /// The rate of penetration.
     Rop,

@@ -28,7 +28,7 @@ pub enum Format {
     Csv,
 }
 
-/// Files by name.
+/// Files to write: the name and the content of each.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// The folder that commands write into when they answer a person and no other is given.
@@ -69,7 +69,7 @@ impl OutputArgs {
         }
     }
 
-    /// The same for an answer about `rigs`: its files are named after the command, the first rig and the options given,
+    /// A copy for an answer about `rigs`: its files are named after the command, the first rig and the options given,
     /// and carry the rigs. What stands in the way and is no answer of this program is refused here, before any work is
     /// done.
     ///
@@ -88,7 +88,7 @@ impl OutputArgs {
         self.named(stem, rigs)
     }
 
-    /// The same with names that begin with `stem`.
+    /// As [`Self::about`], with file names that begin with `stem`.
     ///
     /// # Errors
     /// As [`Self::about`].
@@ -108,7 +108,7 @@ impl OutputArgs {
         Ok(output)
     }
 
-    /// The same with the uncertainty of the parameters.
+    /// Makes every file say which uncertainty of the parameters was used.
     #[must_use]
     pub fn with_uncertainty(mut self, uncertainty: Option<Map<String, Value>>) -> Self {
         self.request.made_from.uncertainty = uncertainty;

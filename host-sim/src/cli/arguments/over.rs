@@ -12,7 +12,7 @@ const MOST: usize = 100_000;
 pub struct OverOption {
     /// The parameter, as rig files name it.
     pub key: String,
-    /// Its values.
+    /// The values that it takes.
     pub values: RangeValues,
 }
 

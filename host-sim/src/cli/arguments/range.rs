@@ -2,7 +2,7 @@
 
 use files::decimal::hint;
 
-/// Values at most.
+/// A range has at most so many values.
 const MOST: f64 = 1e6;
 
 /// The values of `FROM:TO:STEP`, both ends included.
@@ -36,7 +36,7 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
 }
 
-/// The same, or one number.
+/// The values of `FROM:TO:STEP`, both ends included, or the one number that `text` is.
 ///
 /// # Errors
 /// If it is neither.
@@ -156,7 +156,7 @@ fn doubtful(text: &str) -> Option<String> {
     ))
 }
 
-/// A finite number.
+/// The number that `text` is, blanks around it aside; none if it is not a finite number.
 pub fn parse_finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
 }

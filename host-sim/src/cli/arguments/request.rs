@@ -16,7 +16,7 @@ const ASIDE: [&str; 11] = [
 pub struct CommandRequest {
     /// As answers carry it; the command adds the rigs.
     pub made_from: MadeFrom,
-    /// The command.
+    /// Name of the command, with which the names of its files begin.
     pub command: String,
     /// The options given, by their names, with the values given; a switch has none.
     pub given: Vec<(String, Vec<String>)>,

@@ -207,7 +207,7 @@ impl RigAtGaps {
         Ok(Some(self.gaps.iter().flat_map(|g| g.0.clone()).collect()))
     }
 
-    /// The same; none too where one number is given.
+    /// The gaps asked for, mm, in the order given; none if the option was left out, or given once with one number.
     ///
     /// # Errors
     /// As [`RigAtGaps::gaps_mm`].

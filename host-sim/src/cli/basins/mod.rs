@@ -289,7 +289,7 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
     found.iter().map(line).collect()
 }
 
-/// `N` or `COLUMNSxROWS`.
+/// Columns and rows from `COLUMNSxROWS`, or from one number for both.
 fn parse_grid(text: &str) -> Result<(usize, usize), String> {
     let count = |t: &str| t.trim().parse::<usize>().ok().filter(|n| *n > 0);
     let found = match text.split_once('x') {
@@ -300,7 +300,7 @@ fn parse_grid(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| "write COLUMNSxROWS, for example 500x300, or one number for both".to_owned())
 }
 
-/// `FROM:TO`, rising.
+/// Both ends of `FROM:TO`, of which FROM must be below TO.
 fn parse_ends(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let ends = text

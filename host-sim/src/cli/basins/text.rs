@@ -5,7 +5,7 @@ use crate::pictures::basins::caption;
 use numerics::basins::{Basins, BasinsSummary, Entropy, SampledShare};
 use plot::chart::Chart;
 
-/// Attractors listed.
+/// Most attractors listed; of the smaller ones only the number is told.
 const LISTED: usize = 12;
 
 pub fn one(basins: &Basins, s: &BasinsSummary) -> String {

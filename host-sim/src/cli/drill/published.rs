@@ -31,7 +31,7 @@ pub struct PublishedOscillator {
     omega: f64,
 }
 
-/// Values of b.
+/// Values of the static force b, in units of the threshold at which the ground gives way.
 #[derive(Clone, Debug)]
 struct Forces(Vec<f64>);
 

@@ -103,7 +103,7 @@ fn outside(answer: &DrillReport, ratio: f64) -> &'static str {
     }
 }
 
-/// The same of one in Hz.
+/// That a frequency (in Hz) is outside the range, where it is.
 fn outside_hz(answer: &DrillReport, hz: f64) -> &'static str {
     let best = &answer.advice.best;
     outside(answer, hz * best.frequency_ratio / best.frequency_hz)

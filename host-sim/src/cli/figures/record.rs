@@ -15,7 +15,7 @@ use files::UserError;
 pub struct PartRecord {
     /// The program and the effort it was made with.
     pub key: String,
-    /// The part.
+    /// Name of the part.
     pub part: String,
     pub pages: Vec<PageRecord>,
     /// What the chapter says, and whether that is so.
@@ -39,7 +39,7 @@ pub struct PageRecord {
 pub struct FileRecord {
     pub name: String,
     pub bytes: usize,
-    /// CRC-64/XZ, hexadecimal.
+    /// CRC-64/XZ of the content, hexadecimal.
     pub crc64: String,
 }
 

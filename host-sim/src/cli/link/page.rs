@@ -9,7 +9,7 @@ use crate::page::bridge::{self, Door, Port};
 use crate::page::server::{BoardConnection, Site, serve};
 use files::UserError;
 
-/// Until interrupted.
+/// Serves the page with the board at the port, until interrupted.
 pub fn run(args: &Args) -> Result<i32, UserError> {
     let built = format!("cargo xtask lab --board {}", args.port);
     let page = lab::page(args.page_file.as_deref(), &built)?;

@@ -101,7 +101,7 @@ fn runner(args: &Args) -> Result<Runner, UserError> {
     }
 }
 
-/// The same map, made in the way to compare with.
+/// The request made the other way: by another engine, or from another direction.
 fn other(request: &MapRequest, against: SecondMap) -> MapRequest {
     let mut other = request.clone();
     match against {

@@ -13,7 +13,7 @@ use numerics::continuation::{FamilyDrive, OrbitsRequest};
 use numerics::knob::Knob;
 use plot::chart::Chart;
 
-/// `KEY=FROM:TO` or `KEY=FROM:TO:log`.
+/// One axis of the plane, `KEY=FROM:TO` or `KEY=FROM:TO:log`: a number of the rig, and the range it is followed over.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveOver {
     knob: Knob,
@@ -252,7 +252,7 @@ fn mark_line(point: &CurvePointRow) -> String {
     )
 }
 
-/// Six digits.
+/// Five decimals; a very small or large value has an exponent.
 fn short(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) {
         format!("{x:.5e}")

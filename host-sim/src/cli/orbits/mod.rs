@@ -224,7 +224,7 @@ fn gap_ends(args: &Args) -> Result<(f64, f64), UserError> {
     ends("--gap", args.gap.as_deref().unwrap_or("0:3.56"))
 }
 
-/// `FROM:TO`.
+/// Both ends of `FROM:TO`, of which FROM must be below TO; errors begin with `option`.
 fn ends(option: &str, text: &str) -> Result<(f64, f64), UserError> {
     let parts: Vec<_> = text.split(':').map(|t| t.trim().parse::<f64>()).collect();
     match parts.as_slice() {

@@ -17,7 +17,7 @@ use numerics::NamedRig;
 use numerics::drill::pick::{DrillPickRequest, RopPick, pick_rop};
 use plot::chart::Chart;
 
-/// Picks and answers.
+/// Finds the frequency of the largest rate of penetration, and answers with it.
 pub fn run(
     rig: &NamedRig,
     request: &DrillPickRequest,

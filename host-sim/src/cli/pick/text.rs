@@ -89,7 +89,7 @@ pub fn lines(a: &PickAnswer) -> Lines {
     [operation(a), stability(a), shaker(a), limits(a)].concat()
 }
 
-/// The first line.
+/// The answer in one line: rig, gap, cart, stroke if it is another, and the frequency to run at.
 pub fn head(a: &PickAnswer) -> String {
     let mm = rounded_mm(a.shaker.stroke_mm);
     let stroke = match a.wanted_force_n {

@@ -33,9 +33,9 @@ impl Support {
 /// Swings that ring down: as written, and their logarithmic decrement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RingDown {
-    /// As written.
+    /// The answer as it was written, without blanks around it.
     pub text: String,
-    /// Per swing.
+    /// Logarithmic decrement of a full swing: ln(FROM/TO)/SWINGS.
     pub decrement: f64,
 }
 

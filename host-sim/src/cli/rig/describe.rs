@@ -22,7 +22,7 @@ const ASSUMED_DAMPING_RATIO: f64 = 0.004;
 /// The file, and what must be said about it.
 #[derive(Debug)]
 pub struct Described {
-    /// The file.
+    /// The rig file, which may still lack its contact.
     pub file: RigFile,
     /// Notes for a person.
     pub notes: Vec<String>,

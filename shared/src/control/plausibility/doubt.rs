@@ -7,7 +7,7 @@
 /// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`]; the travel to 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
-    /// Contact force.
+    /// Contact force: how many times its reading it may truly be.
     pub force: f32,
     /// Displacement of the hammer relative to the cart.
     pub travel: f32,
@@ -37,7 +37,8 @@ impl Doubt {
         }
     }
 
-    /// The same, if the hammer's sensor may have this gain over the cart's. Nothing trips by it, so it may go further than [`Doubt::MOST`].
+    /// Raises the travel's factor for a hammer's sensor that may have the gain `ratio` over the cart's. Nothing trips
+    /// by it, so it may go further than [`Doubt::MOST`].
     pub fn or_hammer_reads(self, ratio: f32) -> Self {
         Self {
             travel: self.travel.max(within(AGREES / ratio, MOST_UNSURE)),

@@ -14,8 +14,8 @@ pub const STEP_RANGE: (f32, f32) = (0.85, 1.3);
 /// Largest lag of the cart behind the command, either way, rad: 120°, where the rig's position loop is not known. Hardly one
 /// is that late; a sensor with reversed polarity shows 180°.
 pub const LARGEST_LAG: f32 = 2.094;
-/// The same beyond the lag of the rig's own loop, where that is known, rad: 45°. Amplifier and sensor of a healthy rig add
-/// 16° at 13 Hz.
+/// Largest lag of the cart, either way, beyond that of the rig's own loop, where that is known, rad: 45°. Amplifier and
+/// sensor of a healthy rig add 16° at 13 Hz.
 pub const LARGEST_MORE_LAG: f32 = core::f32::consts::FRAC_PI_4;
 /// The loop's natural frequency is known within this factor.
 const LOOP_SPREAD: f32 = 1.25;

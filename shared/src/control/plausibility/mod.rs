@@ -55,7 +55,7 @@ pub const RATIO_WINDOWS: u32 = 48;
 /// Least motion of a hammer that strikes, root mean square, in amplitudes of the cart. A healthy one has 0.21 in its weakest period
 /// and 0.3 in one of four in a row (four rigs at 0.5 to 2.2 times the best frequency, gaps of 0 and 0.9 mm).
 pub const STILL_SHARE: f32 = 0.2;
-/// The same of one that swings free, in amplitudes of its swing: half of what that has, 1/√2.
+/// Least motion of a hammer that swings free, root mean square, in amplitudes of its swing: half of what it has, 1/√2.
 const FREE_SHARE: f32 = 0.5 * core::f32::consts::FRAC_1_SQRT_2;
 /// How far off the natural frequency may be where the free swing is reckoned.
 const NATURAL_OFF: f32 = 1.1;

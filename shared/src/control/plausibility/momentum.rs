@@ -15,7 +15,7 @@ pub const MOMENTUM_RANGE: (f32, f32) = (0.76, 1.32);
 /// Upwards so many times wider: displacements 1 ms later than the force, the whole of which is unknown here, read the speeds up to
 /// two thirds of the angle too small that the drive turns in it.
 const LATER_THAN_FORCE: f32 = 2.5;
-/// The same of a single contact, beyond which nothing needs to be averaged.
+/// Impulse over momentum of a single contact, beyond which nothing needs to be averaged.
 pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
 /// Contacts in a row outside that trip.
 pub const GROSS_PULSES: u8 = 6;
@@ -30,7 +30,7 @@ const FEW: u8 = 4;
 /// Contacts before the sums are judged.
 const FEWEST: u8 = 12;
 
-/// The sums.
+/// Fading sums of the contacts' impulses and changes of speed, and counts of those out of range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Momentum {
     mass_kg: f32,

@@ -16,7 +16,7 @@ use crate::model::switch::{Band, banded_force};
 /// 6.6 % at 50 µs and 25 % at 200 µs (measured, docs/accuracy.md). [`super::Corrected`] is the cure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Banded<R> {
-    /// The band's widths.
+    /// Widths η_α and η_β of the band.
     pub band: Band<R>,
 }
 

@@ -72,7 +72,7 @@ impl<R: Real> HammerState<R> {
 pub struct Span<'a, R> {
     /// The drive at the start of the tick.
     pub drive: &'a Drive<R>,
-    /// A0 Ω², m/s².
+    /// Amplitude A0 Ω² of the cart's acceleration, m/s².
     pub drive_acceleration: R,
     /// The cart, if it recoils ([`Corrected`] alone knows one that does).
     pub cart: Option<&'a Cart<R>>,

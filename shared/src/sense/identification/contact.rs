@@ -1,11 +1,11 @@
 //! The spring-dashpot contact in closed form, inverted.
 
-/// A spring-dashpot contact.
+/// A contact of the spring-dashpot law, as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringDashpotContact {
     /// ω₀ = √(k/m), rad/s.
     pub omega: f32,
-    /// ζ.
+    /// Damping ratio ζ = c/(2 m ω₀).
     pub damping_ratio: f32,
     /// How long it lasts, s.
     pub duration_s: f32,
@@ -14,7 +14,7 @@ pub struct SpringDashpotContact {
 /// How long the force was above a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Above {
-    /// That time, s.
+    /// Time for which the force was above the threshold, s.
     pub duration_s: f32,
     /// The threshold over m v, v the approach speed, 1/s.
     pub threshold: f32,

@@ -101,7 +101,7 @@ impl Gap {
         if moved { rest_m } else { 0.0 }
     }
 
-    /// The same by the last few windows, if they tell it.
+    /// Where the hammer would rest by the last few windows alone, m; none if they do not tell it.
     fn rest_now_m(&self) -> Option<f32> {
         let (slope, _) = self.rest.straight()?;
         Some(self.rest.x - self.rest.y / slope)

@@ -62,10 +62,10 @@ pub const SYSTEMATIC: f32 = 0.2;
 /// Largest deviation from the believed value that is accepted: a factor for stiffness and damping.
 pub const CONTACT_RANGE: f32 = 3.0;
 
-/// The same for the natural frequency, a share.
+/// Largest deviation from the believed natural frequency that is accepted, as a share of it.
 pub const NATURAL_RANGE: f32 = 0.3;
 
-/// The same for the gap, in units of A0.
+/// Largest distance from the believed gap at which a contact is accepted, in units of A0.
 pub const GAP_RANGE: f32 = 4.0;
 
 /// Excess of the measured time above the threshold, s: the first less the second times threshold over initial force.
@@ -92,7 +92,7 @@ const FEW_CONTACTS: u32 = 4;
 /// Contacts needed for stiffness and damping.
 const FEWEST_CONTACTS: u32 = 8;
 
-/// An estimate.
+/// An estimate, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnlineEstimate {
     /// The value, in the unit of the field that holds it.
@@ -110,9 +110,9 @@ pub struct Estimates {
     pub stiffness: Option<OnlineEstimate>,
     /// Contact damping ci of the spring-dashpot, N·s/m.
     pub damping: Option<OnlineEstimate>,
-    /// Natural frequency, Hz.
+    /// Natural frequency of the hammer on its support, Hz.
     pub natural_hz: Option<OnlineEstimate>,
-    /// Gap, m.
+    /// Gap between the surface and the hammer at rest, m.
     pub gap_m: Option<OnlineEstimate>,
 }
 
@@ -138,7 +138,7 @@ pub struct Identification {
     recoil: f32,
     /// [`HIDES`] for this contact.
     hides: f32,
-    /// c/m, 1/s.
+    /// Damping c/m of the support, 1/s; 0 on wires.
     damping: f32,
     /// Least approach speed that is used, m/s.
     slowest: f32,
@@ -304,7 +304,7 @@ impl Identification {
         }
     }
 
-    /// A contact.
+    /// Takes in a contact: where the surface is and, if it was fast enough, restitution and duration.
     pub fn pulse(&mut self, pulse: &Pulse) {
         let off = pulse.relative_m - self.believed.gap_m;
         let reach = GAP_RANGE * self.believed.amplitude_m;

@@ -28,7 +28,7 @@ impl<const M: u32> Average<M> {
         self.push_within(value, M);
     }
 
-    /// The same with a shorter memory.
+    /// Takes in a value as [`Self::push`] does, with a memory of `memory` values.
     pub fn push_within(&mut self, value: f32, memory: u32) {
         self.count = self.count.saturating_add(1);
         let weight = 1.0 / self.count.min(memory) as f32;

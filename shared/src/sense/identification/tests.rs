@@ -10,7 +10,7 @@ fn swing(identification: &mut Identification, natural_hz: f64, seconds: f64) {
     swing_about(identification, natural_hz, seconds, 1e-4);
 }
 
-/// The same with a displacement sensor that is off by `offset_m`.
+/// The hammer swinging freely, with a displacement sensor that is off by `offset_m`.
 fn swing_about(identification: &mut Identification, natural_hz: f64, seconds: f64, offset_m: f64) {
     Swing::new(2e-3).go_on(identification, natural_hz, seconds, || offset_m);
 }

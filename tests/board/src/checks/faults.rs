@@ -28,7 +28,7 @@ pub struct Strike {
     pub limit_us: f64,
     /// When the fault is looked at.
     pub wait_ms: u64,
-    /// The fault.
+    /// The fault that the board must report then.
     pub wanted: Fault,
 }
 
@@ -38,14 +38,14 @@ pub struct Struck {
     pub bench: Bench,
     /// After how many µs PA8 was low for good.
     pub gone_us: f64,
-    /// Resets.
+    /// How many resets came of it.
     pub resets: usize,
     /// Rig time that it took.
     pub units: u64,
 }
 
 impl Struck {
-    /// In words.
+    /// What came of it in a line, beside what `strike` allows.
     pub fn text(&self, strike: &Strike) -> String {
         format!(
             "PA8 low for good {:.1} µs after it ({} allowed), {} reset(s), then in Fault: {:?}",
@@ -63,7 +63,7 @@ pub fn struck(
     struck_from(Bench::driving(setup)?, strike, act)
 }
 
-/// The same from a given state.
+/// As [`struck`], to a board in a given state.
 pub fn struck_from(
     mut bench: Bench,
     strike: &Strike,

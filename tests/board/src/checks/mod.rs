@@ -33,7 +33,7 @@ use crate::rig::Rig;
 
 /// What all checks need.
 pub struct Setup {
-    /// The image.
+    /// Path of the firmware's image, an ELF file.
     pub elf: PathBuf,
     /// Rig time of the closed loop and of the benchmark, s.
     pub seconds: f64,

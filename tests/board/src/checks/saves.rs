@@ -119,7 +119,7 @@ impl Machine {
         self.cuts = Some(Vec::new());
     }
 
-    /// Those copies.
+    /// The copies made since [`Self::watch_flash`], one per operation; no more are made.
     pub fn take_flash_cuts(&mut self) -> Vec<Vec<u8>> {
         self.cuts.take().unwrap_or_default()
     }

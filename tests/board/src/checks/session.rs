@@ -24,9 +24,8 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 /// The rig, and the desktop's end of its link.
 pub struct Bench {
-    /// The rig.
     pub rig: Rc<RefCell<Rig>>,
-    /// The desktop's end.
+    /// The desktop's end of the link, over the model's wire.
     pub client: Client<Wire>,
     /// The scenario of the plant.
     pub scenario: Scenario,
@@ -38,7 +37,7 @@ impl Bench {
         Self::power_up_in(setup, load("field")?, around)
     }
 
-    /// The same in another scenario.
+    /// Power comes on with `around`, in a rig of `scenario`, and nothing else.
     pub fn power_up_in(setup: &Setup, scenario: Scenario, mut around: Around) -> Outcome<Self> {
         around.patch = setup.patch;
         let rig = Rig::power_up(setup.image()?, &scenario, around)?;
@@ -81,7 +80,7 @@ impl Bench {
         Ok((bench, hello))
     }
 
-    /// The same, started: the pulses at PA8 have come. Brought there once, and copied for each check.
+    /// A wired board that drives: the pulses at PA8 have come. Brought there once, and copied for each check.
     pub fn driving(setup: &Setup) -> Outcome<Self> {
         if setup.driving.get().is_none() {
             let bench = Self::driving_with(setup, None)?;
@@ -118,7 +117,7 @@ impl Bench {
         Err(format!("no Hold within {MOST_SEEK_S} s, but {state:?}").into())
     }
 
-    /// The same with a debugger attached, and these traps (DEMCR) left in the part.
+    /// A wired board that drives, in a pulse; with `traps`, a debugger has been attached and has left these (DEMCR).
     pub fn driving_with(setup: &Setup, traps: Option<u32>) -> Outcome<Self> {
         let (mut bench, _) = Self::power_up(setup, wired())?.prepared(traps)?;
         bench.start_drive()?;
@@ -147,12 +146,12 @@ impl Bench {
         .into())
     }
 
-    /// Time goes on.
+    /// Lets rig time go on by `ms` milliseconds.
     pub fn advance_ms(&mut self, ms: u64) -> Outcome {
         Ok(self.rig.borrow_mut().advance(1000 * ms)?)
     }
 
-    /// Now.
+    /// The time, in units of 1/720 MHz.
     pub fn now(&self) -> u64 {
         self.rig.borrow().machine.now
     }

@@ -14,7 +14,7 @@ fn copy(op: &Op) -> Op {
 }
 
 impl Machine {
-    /// Does one instruction.
+    /// Does what one decoded instruction says.
     #[inline(always)]
     pub(crate) fn execute(&mut self, op: &Op) -> Try {
         match op.kind {

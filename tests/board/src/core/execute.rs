@@ -28,7 +28,7 @@ impl Machine {
         self.cpu.r[usize::from(op.rd & 15)]
     }
 
-    /// The fourth register.
+    /// What the fourth register holds.
     #[inline(always)]
     pub(super) fn a(&self, op: &Op) -> u32 {
         self.cpu.r[usize::from(op.ra & 15)]
@@ -118,7 +118,7 @@ impl Machine {
         self.logical(op, f(self.n(op), b), carry);
     }
 
-    /// The same with a shifted register.
+    /// First operand and shifted register, and what comes of them.
     #[inline(always)]
     pub(super) fn with_shifted(&mut self, op: &Op, f: impl Fn(u32, u32) -> u32) {
         let (b, carry) = self.shifted(op);

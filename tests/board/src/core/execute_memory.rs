@@ -167,7 +167,7 @@ impl Machine {
         Ok(())
     }
 
-    /// What is rare.
+    /// Instructions that are rare: exclusive access, branches by table, special registers, calls, breakpoints, waiting.
     #[inline(never)]
     pub(super) fn execute_rare(&mut self, op: &Op) -> Try {
         let base = self.base(op);

@@ -25,7 +25,7 @@ pub enum Trap {
 }
 
 impl Trap {
-    /// A broken rule.
+    /// A rule of this machine is broken, as `why` says: the run ends.
     pub fn stop(why: impl Into<String>) -> Self {
         Self::Stop(Box::new(why.into()))
     }
@@ -65,42 +65,42 @@ pub enum Fault {
     Breakpoint,
 }
 
-/// Registers.
+/// Registers and flags of the processor, and what it waits for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cpu {
     /// General registers; 13 is the stack pointer in use, 15 the address of the instruction and 4 more.
     pub r: [u32; 16],
     /// The stack pointer that is not in use.
     pub other_sp: u32,
-    /// The next instruction.
+    /// Address of the next instruction.
     pub pc: u32,
-    /// Negative, zero, carry, overflow, and a saturation that happened.
+    /// Flag N: the result was negative.
     pub n: bool,
-    /// Zero.
+    /// Flag Z: the result was zero.
     pub z: bool,
-    /// Carry.
+    /// Flag C: an addition carried, or a subtraction did not borrow.
     pub c: bool,
-    /// Overflow.
+    /// Flag V: signed arithmetic overflowed.
     pub v: bool,
-    /// Saturation.
+    /// Flag Q: something has saturated.
     pub q: bool,
     /// Greater-or-equal flags of parallel arithmetic.
     pub ge: u8,
     /// State of the IT block, of the next instruction.
     pub it: u8,
-    /// The same, of the instruction in work.
+    /// State of the IT block, of the instruction in work.
     pub it_now: u8,
     /// Number of the exception in work; 0: none.
     pub ipsr: u16,
     /// Bit 0: unprivileged, 1: process stack, 2: floating point in use.
     pub control: u32,
-    /// Masks.
+    /// PRIMASK: every exception with a priority of its own to set is masked.
     pub primask: bool,
-    /// All but NMI.
+    /// FAULTMASK: all but NMI is masked.
     pub faultmask: bool,
     /// The priority from which on all is masked; 0: none.
     pub basepri: u8,
-    /// Singles.
+    /// Floating-point registers S0 to S31, as bits.
     pub s: [u32; 32],
     /// Status of the floating point.
     pub fpscr: u32,
@@ -134,7 +134,7 @@ impl Cpu {
         self.it = ((x >> 25 & 3) | (x >> 8 & 0xfc)) as u8;
     }
 
-    /// Sets the flags.
+    /// Sets the flags N, Z, C, V and Q from a status register.
     pub fn set_apsr(&mut self, x: u32) {
         self.n = x >> 31 & 1 == 1;
         self.z = x >> 30 & 1 == 1;

@@ -11,13 +11,13 @@ pub const PRIORITY_BITS: u8 = 0xf0;
 /// The interrupt controller, with the priorities of the processor's own exceptions.
 #[derive(Clone, Debug)]
 pub struct Nvic {
-    /// Exceptions by number.
+    /// Which exceptions are pending, by number.
     pub pending: [bool; FIRST + INTERRUPTS],
     /// Enabled; those of the processor always are, but 4 to 6.
     pub enabled: [bool; FIRST + INTERRUPTS],
     /// In work, the last one innermost.
     pub active: Vec<u16>,
-    /// Priorities as written.
+    /// Priorities by number of the exception, as written.
     pub priority: [u8; FIRST + INTERRUPTS],
     /// Where priorities are split into group and subpriority.
     pub grouping: u8,
@@ -100,7 +100,7 @@ impl Nvic {
         due.min_by_key(|n| (self.priority_of(*n), *n))
     }
 
-    /// It begins.
+    /// An exception begins: it is no longer pending, but in work.
     pub fn begin(&mut self, number: usize) {
         self.pending[number] = false;
         self.active.push(number as u16);

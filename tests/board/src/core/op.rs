@@ -29,7 +29,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub struct Op {
-    /// What it does.
+    /// What the instruction does.
     pub kind: Kind,
     /// Its bytes, 2 or 4.
     pub len: u8,
@@ -76,7 +76,7 @@ impl Op {
         self
     }
 
-    /// With this constant.
+    /// With this constant in `imm`.
     pub const fn imm(mut self, imm: u32) -> Self {
         self.imm = imm;
         self
@@ -94,7 +94,7 @@ impl Op {
         self
     }
 
-    /// With these cycles.
+    /// With this number of cycles, without waits.
     pub const fn cost(mut self, cost: u32) -> Self {
         self.cost = cost as u8;
         self

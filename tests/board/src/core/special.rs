@@ -66,7 +66,7 @@ impl Machine {
         }
     }
 
-    /// `cpsie` and `cpsid`.
+    /// Masks exceptions (`cpsid`), or no longer (`cpsie`), by PRIMASK and FAULTMASK.
     pub(crate) fn change_masks(&mut self, op: &Op) {
         let off = op.ra == 1;
         if op.imm & 2 != 0 {

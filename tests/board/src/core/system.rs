@@ -10,17 +10,17 @@ use crate::machine::Machine;
 pub struct System {
     /// Address of the vectors.
     pub vector_table: u32,
-    /// CFSR.
+    /// Which faults of memory, bus and usage happened: CFSR.
     pub fault_status: u32,
-    /// HFSR.
+    /// Why there was a hard fault: HFSR.
     pub hard_status: u32,
-    /// BFAR.
+    /// Address of the last bus fault: BFAR.
     pub bus_address: u32,
     /// Floating point is to be stacked when it is next used.
     pub lazy: bool,
-    /// Where to: FPCAR.
+    /// Where floating point is to be stacked: FPCAR.
     pub float_address: u32,
-    /// FPDSCR.
+    /// Status with which floating point begins: FPDSCR.
     pub default_status: u32,
     configuration: u32,
     float_control: u32,
@@ -73,7 +73,7 @@ impl System {
         self.access & 0x00f0_0000 == 0x00f0_0000
     }
 
-    /// Switches it on.
+    /// Switches floating point on, as a write of CPACR does.
     pub fn switch_float_on(&mut self) {
         self.access = 0x00f0_0000;
     }

@@ -23,7 +23,7 @@ const REFERENCE_TIME: u64 = 10 * UNITS_PER_US;
 /// A code that nobody should use.
 const GARBAGE: u16 = 0x0aa;
 
-/// The block.
+/// ADC1 with its registers, and the conversion under way.
 #[derive(Clone, Debug, Default)]
 pub struct Adc {
     /// Whether its clock is on: without it nothing is converted.
@@ -245,7 +245,7 @@ impl Adc {
         self.data
     }
 
-    /// Reads.
+    /// Reads the register at `offset`; that of the data counts as taken then.
     pub fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.status,
@@ -261,7 +261,7 @@ impl Adc {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`, and starts what that starts.
     pub fn write(&mut self, w: Write, clocks: &Clocks) -> Access {
         match w.offset {
             0x00 => self.status &= w.value | !w.mask,

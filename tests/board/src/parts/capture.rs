@@ -6,15 +6,15 @@ use super::{Access, Write};
 /// What an access needs to know: now, the timer's cycle, and the period at the input while there is one, in units of time.
 #[derive(Clone, Copy, Debug)]
 pub struct Input {
-    /// Now.
+    /// Time of the access, in units of time.
     pub now: u64,
-    /// The timer's cycle.
+    /// A cycle of the timer, in units of time.
     pub cycle: u32,
     /// The period of HSE_RTC.
     pub period: Option<u64>,
 }
 
-/// The block.
+/// TIM11 with its registers.
 #[derive(Clone, Debug, Default)]
 pub struct Capture {
     cr1: u32,
@@ -43,7 +43,7 @@ impl Capture {
         }
     }
 
-    /// Reads.
+    /// Reads the register at `offset`; a capture that is read counts as taken.
     pub fn read(&mut self, offset: u32, input: Input) -> Access<u32> {
         let (number, after) = self.last(input);
         Ok(match offset {
@@ -60,7 +60,7 @@ impl Capture {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`.
     pub fn write(&mut self, w: Write) -> Access {
         let measured = self.measures();
         match w.offset {

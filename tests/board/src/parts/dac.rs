@@ -2,7 +2,7 @@
 
 use super::{Access, NEVER, Write};
 
-/// The block.
+/// The converter to analogue, with its registers and outputs.
 #[derive(Clone, Debug, Default)]
 pub struct Dac {
     /// Whether its clock is on: without it no code moves to the output.
@@ -34,13 +34,13 @@ impl Dac {
         self.moves_at.filter(|_| self.clocked).unwrap_or(NEVER)
     }
 
-    /// Moves it.
+    /// Moves the codes that were written on to the outputs.
     pub fn run(&mut self) {
         self.output = self.holding;
         self.moves_at = None;
     }
 
-    /// Reads.
+    /// Reads the register at `offset`.
     pub fn read(&self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.control,

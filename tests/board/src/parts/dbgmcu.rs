@@ -3,7 +3,7 @@
 
 use super::{Access, Write};
 
-/// The block.
+/// Debug support with its registers.
 #[derive(Clone, Debug, Default)]
 pub struct Dbgmcu {
     control: u32,
@@ -16,12 +16,12 @@ impl Dbgmcu {
         self.freezes[0] >> 12 & 1 == 1
     }
 
-    /// Whether TIM2 does.
+    /// Whether TIM2 stands while the processor is halted.
     pub fn freezes_tim2(&self) -> bool {
         self.freezes[0] & 1 == 1
     }
 
-    /// Reads.
+    /// Reads the register at `offset`.
     pub fn read(&self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0 => 0x1000_6421,
@@ -31,7 +31,7 @@ impl Dbgmcu {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`.
     pub fn write(&mut self, w: Write) -> Access {
         match w.offset {
             4 => self.control = w.over(self.control, 0xe7)?,

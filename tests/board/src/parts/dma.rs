@@ -42,7 +42,7 @@ const TRANSFER_ERROR: u32 = 1 << 3;
 const HALF: u32 = 1 << 4;
 const FULL: u32 = 1 << 5;
 
-/// A stream.
+/// One of the eight streams of a controller, with its registers.
 #[derive(Clone, Debug, Default)]
 pub struct Stream {
     control: u32,
@@ -60,23 +60,23 @@ pub struct Stream {
 /// One transfer to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Transfer {
-    /// Peripheral's address and memory's.
+    /// The peripheral's address.
     pub peripheral: u32,
-    /// Memory's address.
+    /// The memory's address.
     pub memory: u32,
-    /// Bytes.
+    /// How many bytes are moved: 1, 2 or 4.
     pub width: u32,
     /// From memory to the peripheral.
     pub out: bool,
 }
 
 impl Stream {
-    /// Whether it runs.
+    /// Whether the stream is enabled.
     pub fn is_on(&self) -> bool {
         self.control & bit::EN != 0
     }
 
-    /// Channel.
+    /// The channel from which its requests come, 0 to 7.
     pub fn channel(&self) -> u32 {
         self.control >> 25 & 7
     }
@@ -144,7 +144,7 @@ impl Stream {
         false
     }
 
-    /// An access failed.
+    /// An access on the bus failed: the stream notes an error and stops.
     pub fn fail(&mut self) {
         self.flags |= TRANSFER_ERROR;
         self.control &= !bit::EN;
@@ -167,13 +167,13 @@ impl Stream {
     }
 }
 
-/// The block.
+/// A DMA controller: DMA1 or DMA2.
 #[derive(Clone, Debug)]
 pub struct Dma {
     /// Whether its clock is on: without it no request is served.
     pub clocked: bool,
     number: usize,
-    /// Its streams.
+    /// The streams by number.
     pub streams: [Stream; 8],
 }
 
@@ -210,7 +210,7 @@ impl Dma {
             .fold(0, |all, (shift, i)| all | self.streams[i].flags << shift)
     }
 
-    /// Reads.
+    /// Reads the register at `offset`: of the flags, or of a stream.
     pub fn read(&self, offset: u32) -> Access<u32> {
         match offset {
             0 => return Ok(self.flags(0)),

@@ -5,7 +5,7 @@ use super::{Access, Write};
 
 const LINES: u32 = 0x007f_ffff;
 
-/// Both blocks.
+/// EXTI and SYSCFG with their registers.
 #[derive(Clone, Debug, Default)]
 pub struct Exti {
     masks: u32,
@@ -46,7 +46,7 @@ impl Exti {
         ])
     }
 
-    /// Reads EXTI.
+    /// Reads the register of EXTI at `offset`.
     pub fn read(&self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.masks,
@@ -57,7 +57,7 @@ impl Exti {
         })
     }
 
-    /// Writes EXTI.
+    /// Writes the register of EXTI at `w.offset`.
     pub fn write(&mut self, w: Write) -> Access {
         match w.offset {
             0x00 => self.masks = w.over(self.masks, LINES)?,
@@ -70,7 +70,7 @@ impl Exti {
         Ok(())
     }
 
-    /// Reads SYSCFG.
+    /// Reads the register of SYSCFG at `offset`.
     pub fn read_syscfg(&self, offset: u32) -> Access<u32> {
         match offset {
             0x08..=0x14 => Ok(self.ports[offset as usize / 4 - 2]),
@@ -78,7 +78,7 @@ impl Exti {
         }
     }
 
-    /// Writes SYSCFG.
+    /// Writes the register of SYSCFG at `w.offset`.
     pub fn write_syscfg(&mut self, w: Write) -> Access {
         match w.offset {
             0x08..=0x14 => {

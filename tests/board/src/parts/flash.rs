@@ -39,7 +39,7 @@ pub enum Work {
     Options(u32),
 }
 
-/// The block.
+/// The flash's interface, with its registers and what it is doing.
 #[derive(Clone, Debug)]
 pub struct Flash {
     access: u32,
@@ -66,7 +66,7 @@ impl Flash {
         matches!(self.work, Some((Work::Erase(_), _)))
     }
 
-    /// After a reset.
+    /// The interface after a reset, locked; `slow`: it takes the longest times of the data sheet.
     pub fn new(options: u32, slow: bool) -> Self {
         Self {
             access: 0,
@@ -83,7 +83,7 @@ impl Flash {
         }
     }
 
-    /// Wait states.
+    /// Wait states of a read that the program has set.
     pub fn latency(&self) -> u32 {
         self.access & 15
     }
@@ -100,7 +100,7 @@ impl Flash {
         Ok(())
     }
 
-    /// Reads.
+    /// Reads the register at `offset`.
     pub fn read(&self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.access,
@@ -111,7 +111,7 @@ impl Flash {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`, and begins what that begins.
     pub fn write(&mut self, w: Write) -> Access {
         match w.offset {
             0x00 => {

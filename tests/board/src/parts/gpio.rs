@@ -11,13 +11,13 @@ pub enum Outside {
     Open,
     /// A resistor to ground that gives way to the pin's pull-up.
     Weak,
-    /// Held low.
+    /// Held low, whatever the pin's pull.
     Low,
-    /// Held high.
+    /// Held high, whatever the pin's pull.
     High,
 }
 
-/// The block.
+/// A port of sixteen pins, with its registers.
 #[derive(Clone, Debug)]
 pub struct Gpio {
     mode: u32,
@@ -28,7 +28,7 @@ pub struct Gpio {
     alternate: [u32; 2],
     /// From what floating pins read.
     noise: u32,
-    /// By pin.
+    /// What is outside of each pin.
     pub outside: [Outside; 16],
 }
 
@@ -68,7 +68,7 @@ impl Gpio {
         (self.mode(pin) == 1 && !(high && self.kind >> pin & 1 == 1)).then_some(high)
     }
 
-    /// The pin's level.
+    /// Whether the pin reads high.
     pub fn level(&self, pin: usize) -> bool {
         if let Some(driven) = self.driven(pin) {
             return driven;
@@ -105,7 +105,7 @@ impl Gpio {
             .wrapping_add(1_013_904_223);
     }
 
-    /// Reads.
+    /// Reads the register at `offset`.
     pub fn read(&mut self, offset: u32) -> Access<u32> {
         self.stir();
         Ok(match offset {
@@ -121,7 +121,7 @@ impl Gpio {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`.
     pub fn write(&mut self, w: Write) -> Access {
         self.stir();
         match w.offset {

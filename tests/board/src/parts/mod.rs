@@ -20,7 +20,7 @@ pub mod watchdog;
 pub const UNITS_PER_S: u64 = 720_000_000;
 /// Units in a microsecond.
 pub const UNITS_PER_US: u64 = UNITS_PER_S / 1_000_000;
-/// Never.
+/// A time that never comes.
 pub const NEVER: u64 = u64::MAX;
 
 /// What a register access ends with; the error names the broken rule.
@@ -35,7 +35,7 @@ pub struct Write {
     pub value: u32,
     /// The bits that are written.
     pub mask: u32,
-    /// When.
+    /// When it is written, in units of time.
     pub now: u64,
 }
 
@@ -65,13 +65,13 @@ impl Write {
 /// The clocks, in units of time per cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clocks {
-    /// Processor and AHB.
+    /// The clock of processor and AHB.
     pub hclk: u32,
-    /// APB1.
+    /// The clock of APB1's peripherals.
     pub pclk1: u32,
-    /// APB2.
+    /// The clock of APB2's peripherals.
     pub pclk2: u32,
-    /// Timers on APB1.
+    /// The clock of APB1's timers.
     pub timclk1: u32,
 }
 

@@ -25,18 +25,18 @@ pub struct Running {
     pub peripherals: bool,
 }
 
-/// The block.
+/// Power control with its registers.
 #[derive(Clone, Debug)]
 pub struct Pwr {
     cr: u32,
     overdrive_at: u64,
     switched_at: u64,
-    /// Supply, V.
+    /// Supply voltage, V.
     pub supply_v: f64,
 }
 
 impl Pwr {
-    /// After a reset.
+    /// Power control after a reset.
     pub fn new(supply_v: f64) -> Self {
         Self {
             cr: 0xc000,
@@ -81,7 +81,7 @@ impl Pwr {
         self.cr & 0x10 != 0 && self.supply_v < threshold
     }
 
-    /// Reads.
+    /// Reads the register at `offset`, its flags as they are at `now`.
     pub fn read(&self, offset: u32, now: u64) -> Access<u32> {
         match offset {
             0 => Ok(self.cr),
@@ -97,7 +97,7 @@ impl Pwr {
         }
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`, if what is running allows it.
     pub fn write(&mut self, w: Write, running: Running) -> Access {
         if w.offset != 0 {
             return Err("is not modelled".into());

@@ -44,7 +44,7 @@ const APB2: u32 = 0x00c7_7f33;
 /// What the HSE's pin is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum External {
-    /// Nothing.
+    /// No clock at all.
     Missing,
     /// A clock of so many Hz, from this time on.
     Clock(u64, u64),
@@ -55,7 +55,7 @@ impl External {
     pub const RUNNING: Self = Self::Clock(8_000_000, 0);
 }
 
-/// The block.
+/// Reset and clock control with its registers, and the oscillators.
 #[derive(Clone, Debug)]
 pub struct Rcc {
     cr: u32,
@@ -295,7 +295,7 @@ impl Rcc {
         on_hse && !self.hse_alive(now)
     }
 
-    /// Reads.
+    /// Reads the register at `offset`, its flags as they are at `now`.
     pub fn read(&self, offset: u32, now: u64) -> Access<u32> {
         Ok(match offset {
             0x00 => {

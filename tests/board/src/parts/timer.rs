@@ -4,13 +4,13 @@
 
 use super::{Access, NEVER, Write};
 
-/// The block.
+/// A timer with its registers and its count.
 #[derive(Clone, Debug)]
 pub struct Timer {
     /// Whether its clock is on.
     clocked: bool,
     basic: bool,
-    /// The largest count.
+    /// The largest count: of 16 or 32 bits.
     top: u32,
     control: [u32; 2],
     dier: u32,
@@ -30,7 +30,7 @@ pub struct Timer {
 /// What an update of the timer causes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Update {
-    /// A DMA request.
+    /// The DMA is asked for a transfer.
     pub request: bool,
     /// An edge at the trigger output.
     pub trigger: bool,
@@ -121,7 +121,7 @@ impl Timer {
         }
     }
 
-    /// Overflows at `at`.
+    /// The count overflows at `at`; what that causes.
     pub fn overflow(&mut self, at: u64) -> Update {
         self.status |= 1;
         self.update(at)
@@ -140,7 +140,7 @@ impl Timer {
         (on && pwm).then_some(share.min(1.0))
     }
 
-    /// Reads.
+    /// Reads the register at `offset`, the count as it is at `now`.
     pub fn read(&self, offset: u32, now: u64, clock: u32) -> Access<u32> {
         let general = !self.basic;
         Ok(match offset {
@@ -157,7 +157,7 @@ impl Timer {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`; what an update that this makes causes.
     pub fn write(&mut self, w: Write, clock: u32) -> Access<Update> {
         self.settle(w.now, clock);
         let general = !self.basic;

@@ -12,7 +12,7 @@ const ORE: u32 = 1 << 3;
 const TC: u32 = 1 << 6;
 const TXE: u32 = 1 << 7;
 
-/// The block.
+/// USART2 with its registers, and the bytes on their way.
 #[derive(Clone, Debug)]
 pub struct Usart {
     /// Whether its clock is on: without it nothing is sent or received.
@@ -35,7 +35,7 @@ pub struct Usart {
 }
 
 impl Usart {
-    /// After a reset.
+    /// USART2 after a reset; the other end sends `far_baud` bits per second.
     pub fn new(far_baud: u64) -> Self {
         Self {
             clocked: false,
@@ -141,7 +141,7 @@ impl Usart {
         self.status & self.control[0] & 0xe0 != 0
     }
 
-    /// Reads.
+    /// Reads the register at `offset`; that of the data clears the receiver's flags.
     pub fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.status,

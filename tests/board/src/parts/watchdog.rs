@@ -12,7 +12,7 @@ const ARRIVAL: u64 = 5;
 const PRESCALER: usize = 0;
 const RELOAD: usize = 1;
 
-/// The block.
+/// The independent watchdog with its registers.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     /// Prescaler and reload as they were written, as they are in effect, and when the one becomes the other.
@@ -30,7 +30,7 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// After a reset.
+    /// The watchdog after a reset, not started, on an LSI of `lsi_hz`.
     pub fn new(lsi_hz: u64) -> Self {
         Self {
             written: [0, 0xfff],
@@ -99,7 +99,7 @@ impl Watchdog {
         self.since += by;
     }
 
-    /// Reads.
+    /// Reads the register at `offset`, its flags as they are at `now`.
     pub fn read(&self, offset: u32, now: u64) -> Access<u32> {
         Ok(match offset {
             0x00 => 0,
@@ -113,7 +113,7 @@ impl Watchdog {
         })
     }
 
-    /// Writes.
+    /// Writes the register at `w.offset`.
     pub fn write(&mut self, w: Write) -> Access {
         self.run(w.now);
         match w.offset {

@@ -55,7 +55,7 @@ pub fn plain(place: &str, text: String) -> Result<Plain, UserError> {
 
 /// The line that names the columns.
 struct Header<'a> {
-    /// From 1.
+    /// Number of that line in the file, counted from 1.
     line: usize,
     separator: char,
     names: Vec<&'a str>,

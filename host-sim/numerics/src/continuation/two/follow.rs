@@ -11,7 +11,7 @@ use crate::continuation::march::Break;
 use crate::error::Error;
 use crate::progress::{Progress, check, step};
 
-/// Longest step.
+/// Longest step along a curve, in the units of the unknowns.
 const STRIDE: f64 = 0.06;
 /// A shorter step than this ends the curve.
 const SHORTEST: f64 = 1e-7;

@@ -90,7 +90,7 @@ impl Graze {
         self.flight(struck, phase + whole - before, before)
     }
 
-    /// The same as [`Self::leg`] with the surface out of reach.
+    /// [`Self::leg`] of this rig with its surface out of reach.
     fn flight<R: Scalar>(&self, state: [R; 4], from: f64, turns: f64) -> Option<[R; 4]> {
         let open = self.without_surface();
         // Coordinates are counted from the surface.

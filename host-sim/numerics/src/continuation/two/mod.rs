@@ -109,7 +109,7 @@ impl Codimension {
 /// A point of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoParameterPoint {
-    /// The rig there.
+    /// The rig with the point's values of the parameters.
     pub params: RigParams,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
@@ -125,7 +125,7 @@ pub struct TwoParameterPoint {
     pub multipliers: [(f64, f64); 2],
     /// What second condition it has.
     pub mark: Option<Codimension>,
-    /// The unknowns.
+    /// The unknowns: those of the orbit, then the places of both parameters.
     x: Vec<f64>,
     /// The curve's direction, of length 1.
     tangent: Vec<f64>,
@@ -133,7 +133,7 @@ pub struct TwoParameterPoint {
     tests: [f64; 3],
     /// Of a graze: how the surface is left, −δ̈ over A0 Ω².
     leaving: Option<f64>,
-    /// Onsets, drive periods.
+    /// Onsets of the contacts, drive periods after drive phase 0.
     onsets: Vec<f64>,
     /// Of a graze: the contacts from the touch on.
     flights: Option<Vec<LocatedContact>>,
@@ -153,7 +153,7 @@ impl TwoParameterPoint {
     }
 }
 
-/// A curve.
+/// A curve over two parameters, along which one condition holds.
 #[derive(Clone, Debug)]
 pub struct TwoParameterCurve {
     /// What holds along it.

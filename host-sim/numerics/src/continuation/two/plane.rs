@@ -8,7 +8,7 @@ use crate::knob::Knob;
 /// What a parameter is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Varied {
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     Ratio,
     /// The drive frequency, Hz.
     Frequency,
@@ -44,7 +44,7 @@ pub enum Scale {
 /// One parameter with its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dimension {
-    /// What it is.
+    /// Which number of the drive or of the rig it is.
     pub varied: Varied,
     /// From and to, in its unit.
     pub range: (f64, f64),
@@ -139,7 +139,7 @@ impl Plane {
         Some((params, drive.hz(&params)))
     }
 
-    /// The same at two places along a curve, with the values.
+    /// Values, rig and drive frequency (Hz) at two places along a curve. None if one of them is out of range.
     pub fn at_places(&self, places: [f64; 2]) -> Option<([f64; 2], RigParams, f64)> {
         let values = [0, 1].map(|i| self.dimensions[i].value(places[i]));
         let (params, frequency_hz) = self.at(values)?;

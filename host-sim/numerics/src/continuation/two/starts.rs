@@ -16,7 +16,7 @@ use crate::reference::LocatedContact;
 #[derive(Clone, Debug)]
 pub struct Seed {
     pub(super) system: System,
-    /// The point.
+    /// Point at which the curve is begun.
     pub point: TwoParameterPoint,
 }
 

@@ -16,17 +16,17 @@ pub struct CurvePointRow {
     pub condition: Condition,
     /// Which point of the curve, in order along it, from 1.
     pub point: usize,
-    /// The first parameter.
+    /// Name of the first parameter, with its unit.
     pub parameter_1: &'static str,
-    /// Its value, in the unit of its name.
+    /// Value of the first parameter, in the unit of its name.
     pub value_1: f64,
-    /// The second parameter.
+    /// Name of the second parameter, with its unit.
     pub parameter_2: &'static str,
-    /// Its value, in the unit of its name.
+    /// Value of the second parameter, in the unit of its name.
     pub value_2: f64,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
-    /// Ω/ω.
+    /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
@@ -55,15 +55,15 @@ pub struct CurvePointRow {
 /// A curve as a whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TwoParameterCurveRow {
-    /// Its name.
+    /// Name of the curve: its condition and a number.
     pub curve: String,
     /// What holds along it.
     pub condition: Condition,
     /// p; on a graze without the touch.
     pub impacts: u16,
-    /// n.
+    /// Drive periods of each of its orbits, n.
     pub periods: u8,
-    /// Points on it.
+    /// Number of points found along the curve.
     pub points: usize,
     /// Smallest and largest value of the first parameter.
     pub range_1: [f64; 2],
@@ -84,11 +84,11 @@ pub struct CurvesAnswer {
     pub parameter_1: &'static str,
     /// The second parameter, with its unit.
     pub parameter_2: &'static str,
-    /// The curves.
+    /// The curves, one row each.
     pub curves: Vec<TwoParameterCurveRow>,
     /// Points with a second condition.
     pub codimension_two: Vec<CurvePointRow>,
-    /// Every point.
+    /// Every point of every curve, curve by curve.
     pub points: Vec<CurvePointRow>,
     /// Values of the second parameter at which one-parameter curves were searched for special points.
     pub searched_at: Vec<f64>,

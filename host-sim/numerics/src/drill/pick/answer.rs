@@ -14,26 +14,26 @@ use crate::uncertainty::Uncertainty;
 pub struct OnGround {
     /// What was made largest: "rop", the rate of penetration.
     pub objective: &'static str,
-    /// Pf, N.
+    /// Threshold force Pf at which the ground gives way, N.
     pub threshold_n: f64,
-    /// k, N/m.
+    /// Stiffness k of the ground, N/m.
     pub ground_stiffness_n_per_m: f64,
-    /// c, N·s/m.
+    /// Damping c of the ground, N·s/m.
     pub ground_damping_n_s_per_m: f64,
-    /// m_b, kg; none without a bit.
+    /// Mass m_b of the bit, kg; none without a bit.
     pub bit_mass_kg: Option<f64>,
-    /// W, N.
+    /// Static feed force W on the bit, N; none without a bit.
     pub bit_feed_force_n: Option<f64>,
     /// How far the ground is unknown; none if it was taken as exact.
     #[serde(flatten)]
     pub uncertain: Option<GroundUncertainty>,
     /// Rate of penetration at the operating frequency, µm/s.
     pub rate_of_penetration_um_per_s: f64,
-    /// The smallest over the uncertainty of rig and ground, µm/s.
+    /// Smallest rate of penetration over the uncertainty of rig and ground, µm/s.
     pub rate_worst_um_per_s: f64,
-    /// The largest, µm/s.
+    /// Largest rate of penetration over the uncertainty of rig and ground, µm/s.
     pub rate_largest_um_per_s: f64,
-    /// The smallest at either end of the safe band, µm/s; none where a member has no stable 1/1.
+    /// Smallest rate of penetration at either end of the safe band, µm/s; none where a member has no stable 1/1.
     pub safe_band_rate_worst_um_per_s: [Option<f64>; 2],
     /// Progress per blow, µm.
     pub progress_per_blow_um: f64,
@@ -53,7 +53,7 @@ pub struct OnGround {
     /// Largest rate with a cart that recoils, nominal and without a limit of the shaker, µm/s; its frequency is
     /// `recoil_frequency_hz`.
     pub recoil_rate_um_per_s: Option<f64>,
-    /// The same with the cart as prescribed; its frequency is `prescribed_frequency_hz`.
+    /// Largest nominal rate with the cart as prescribed, µm/s; its frequency is `prescribed_frequency_hz`.
     pub prescribed_rate_um_per_s: Option<f64>,
     /// Change of the rate at the operating frequency per 1 % of each parameter (gap: per 0.01 mm), most open first.
     pub rate_sensitivity: Vec<RateSensitivity>,
@@ -62,7 +62,7 @@ pub struct OnGround {
 /// Change of the rate of penetration with one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RateSensitivity {
-    /// Which parameter.
+    /// Name of the parameter that is changed.
     pub parameter: &'static str,
     /// The change it is per: "1 %" of the parameter, or "0.01 mm" of gap.
     pub per: &'static str,

@@ -27,9 +27,9 @@ const RECORDED: u32 = 48;
 /// Hammer, ground and bit.
 #[derive(Clone, Copy, Debug)]
 pub struct DrillCase {
-    /// The rig.
+    /// The rig's parameters.
     pub params: RigParams,
-    /// The ground.
+    /// The ground, which gives way.
     pub ground: Slider<f64>,
     /// The bit between them.
     pub bit: Option<Bit<f64>>,

@@ -37,7 +37,7 @@ use crate::uncertainty::{Member, Uncertainty};
 /// What is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct DrillPickRequest {
-    /// The ground.
+    /// The nominal ground, which gives way.
     pub ground: Slider<f64>,
     /// A bit between hammer and ground.
     pub bit: Option<Bit<f64>>,

@@ -43,9 +43,8 @@ const RINGING: usize = 4;
 /// Where the search for the ringing begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingingGuess {
-    /// Frequency, Hz.
     pub hz: f64,
-    /// Time constant, s.
+    /// Time constant of its decay, s.
     pub decay_s: f64,
 }
 

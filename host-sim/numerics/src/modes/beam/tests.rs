@@ -62,7 +62,7 @@ fn a_heavy_hammer_on_a_light_beam_is_a_mass_on_a_spring() {
     }
 }
 
-/// The same beam in finite elements with cubic shapes (Blevins' beam, μ = EI = L = 1): frequencies squared, tip
+/// The loaded beam in finite elements with cubic shapes (Blevins' beam, μ = EI = L = 1): frequencies squared, tip
 /// displacements and participations of modes of unit modal mass.
 fn finite_elements(tip: TipJoint, hammer: f64, elements: usize) -> (DVector<f64>, Vec<(f64, f64)>) {
     let l = 1.0 / elements as f64;

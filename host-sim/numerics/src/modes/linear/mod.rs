@@ -38,7 +38,7 @@ const TURN_PER_STEP: f64 = 0.5;
 /// A shaker that holds a cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoldingShaker {
-    /// The position loop.
+    /// Parameters of the shaker's position loop.
     pub held: LoopParams,
     /// Mass M of the cart, kg.
     pub cart_kg: f64,
@@ -49,7 +49,6 @@ pub struct HoldingShaker {
 /// The motion at one drive frequency.
 #[derive(Clone, Debug)]
 pub struct LinearMotion {
-    /// Number of modes.
     modes: usize,
     /// Whether the cart recoils.
     recoils: bool,
@@ -62,7 +61,7 @@ pub struct LinearMotion {
     delta: Vec<f64>,
     rate: Vec<f64>,
     force: Vec<f64>,
-    /// Base step.
+    /// Base step, in 1/Ω: the fastest motion turns by no more than [`TURN_PER_STEP`] in it.
     step: f64,
 }
 
@@ -70,7 +69,7 @@ pub struct LinearMotion {
 #[derive(Clone, Debug)]
 struct Phase {
     a: Square,
-    /// e^(A h/2).
+    /// e^(A h/2), which leads over half the base step h.
     half: Square,
     /// e^(A h), e^(2 A h), e^(4 A h) ...
     ladder: Vec<Square>,
@@ -104,7 +103,7 @@ impl Phase {
         }
     }
 
-    /// e^(A t).
+    /// e^(A t), which leads over the time `t`; `step` is the base step, both in 1/Ω.
     fn over(&self, t: f64, step: f64) -> Square {
         let whole = (t / step).floor();
         let mut product = self.a.exponential(t - whole * step);

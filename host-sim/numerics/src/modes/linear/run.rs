@@ -30,7 +30,7 @@ pub(super) struct PeriodEvents {
 #[derive(Clone, Debug)]
 pub(super) struct LinearLeg {
     pub touching: bool,
-    /// In 1/Ω.
+    /// How long it lasts, in 1/Ω.
     pub length: f64,
     /// At its beginning, in the middle and at the end.
     pub states: [Vec<f64>; 3],
