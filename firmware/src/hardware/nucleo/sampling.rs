@@ -57,8 +57,8 @@ type Ring = [[[u16; CHANNELS]; BLOCK_TICKS]; 2];
 /// Memory that the DMA writes to.
 struct Shared(UnsafeCell<Ring>);
 
-// SAFETY: the one place that reads it, `Sampler::take`, reads the half that the DMA has left, by volatile
-// reads, and there is one `Sampler` (it owns the DMA's stream).
+// SAFETY: the one place that reads it, `AdcSampler::take`, reads the half that the DMA has left, by volatile
+// reads, and there is one `AdcSampler` (it owns the DMA's stream).
 unsafe impl Sync for Shared {}
 
 static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]));

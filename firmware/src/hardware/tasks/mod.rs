@@ -7,11 +7,11 @@
 //! | `NAME` | the board's name, as the link gives it |
 //! | `Peripherals` | all the part's registers |
 //! | [`Board`] | is put together by `set_up` |
-//! | `Sampler`, `SetPoints` | samples in and set-points out, in step, by DMA |
-//! | `EnablePin`, `Chain`, `Reports` | the pins of drive and safety |
+//! | `AdcSampler`, `SetPoints` | samples in and set-points out, in step, by DMA |
+//! | `EnablePin`, `ChainPin`, `Reports` | the pins of drive and safety |
 //! | `Serial`, `LinkTimer` | the link's wire, and its tick of 1 ms |
 //! | `BlockMonitor` | the tick of 1 ms above all tasks |
-//! | `Store` | the settings' flash |
+//! | `FlashStore` | the settings' flash |
 //! | `LedPin`, `ButtonPin` | |
 //! | `reset_flags`, `disable`, `make_outputs_safe`, `feed_watchdog`, `supply_is_low` | from anywhere |
 //! | `Registers`, `registers` | what the board's set-up has written, to be compared with later |

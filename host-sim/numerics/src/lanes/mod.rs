@@ -1,6 +1,6 @@
 //! Millions of short simulations: cells of a map, initial conditions of a basin, points of a diagram.
 //!
-//! A [`Cell`] is one simulation; [`run`] takes many and gives an [`CellOutcome`] each, in their order. Nothing is kept per
+//! A [`Cell`] is one simulation; [`run`] takes many and gives a [`CellOutcome`] each, in their order. Nothing is kept per
 //! step; what a cell showed is reduced as it runs.
 //!
 //! Cells run side by side in the lanes of vector registers (the crate `lanes`); what the lanes cannot run or find

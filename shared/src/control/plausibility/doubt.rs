@@ -4,7 +4,8 @@
 //! known, the more dangerous of the two counts: the limit and the trip level of what may be larger than it reads are divided
 //! by how much larger. Nothing here ever makes a limit or a trip level wider.
 
-/// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`]; the travel to 2.
+/// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`]; the travel to 2. What a
+/// surface that rings or is lossy may hide comes on top, in the controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
     /// Contact force: how many times its reading it may truly be.
