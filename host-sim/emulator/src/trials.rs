@@ -22,9 +22,6 @@ use crate::verdict::{Best, judge_by};
 use files::{UserError, rigfile};
 use numerics::NamedRig;
 
-/// The presets a trial may run on.
-pub const RIGS: [&str; 4] = ["wires", "beam-170", "beam-150", "beam-135"];
-
 /// Rig time before the start, s.
 const START_S: f64 = 1.0;
 
@@ -386,8 +383,7 @@ mod tests {
     use super::*;
 
     pub(super) fn presets() -> Vec<Believed> {
-        let rig = |name| NamedRig::preset(name).map(|rig| Believed::new(&rig));
-        RIGS.into_iter().map(rig).collect::<Result<_, _>>().unwrap()
+        NamedRig::presets().iter().map(Believed::new).collect()
     }
 
     #[test]
@@ -405,8 +401,8 @@ mod tests {
         assert!((-0.2..-0.18).contains(&low) && (0.98..=1.0).contains(&high));
         let (low, high) = range(|t| t.natural_frequency_percent);
         assert!((-10.0..-9.8).contains(&low) && (9.8..=10.0).contains(&high));
-        for rig in RIGS {
-            assert_eq!(all.iter().filter(|t| t.rig.name == rig).count(), 100);
+        for rig in &rigs {
+            assert_eq!(all.iter().filter(|t| t.rig.name == rig.name).count(), 100);
         }
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 use shared::model::cart::{CartDrive, LoopParams};
-use shared::model::params::{RigParams, preset};
+use shared::model::params::{PRESETS, RigParams, preset};
 use shared::model::regime::Regime;
 
 use crate::engine::Observation;
@@ -96,6 +96,11 @@ impl NamedRig {
     pub fn preset(name: &str) -> Result<Self, Error> {
         let params = preset(name).ok_or_else(|| Error::Preset(name.to_owned()))?;
         Ok(Self::new(name, params))
+    }
+
+    /// All four, in their order.
+    pub fn presets() -> Vec<Self> {
+        PRESETS.map(|(name, params)| Self::new(name, params)).into()
     }
 
     /// The error that says why this rig has no operating point.

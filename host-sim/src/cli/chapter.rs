@@ -6,7 +6,6 @@ use crate::figures::Effort;
 use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
-use shared::model::params::PRESETS;
 
 /// What the chapter says, statement by statement: its words, the figure computed here, same or different
 #[derive(Debug, clap::Args)]
@@ -23,10 +22,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let rigs: Vec<NamedRig> = PRESETS
-        .iter()
-        .map(|(name, _)| NamedRig::preset(name))
-        .collect::<Result<_, _>>()?;
+    let rigs = NamedRig::presets();
     let name = match args.coarse {
         true => "chapter-coarse",
         false => "chapter",

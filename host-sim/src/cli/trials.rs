@@ -8,7 +8,7 @@ use super::arguments::output::OutputArgs;
 use crate::pictures::trials::figure;
 use crate::progress::ProgressLine;
 use emulator::trials::long::LongTrial;
-use emulator::trials::{Believed, Distribution, RIGS, Trial, TrialOutcome, TrialRow, run_all};
+use emulator::trials::{Believed, Distribution, Trial, TrialOutcome, TrialRow, run_all};
 use files::words::count;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let rigs: Vec<NamedRig> = match &args.rig {
         Some(rig) => vec![rigfile::load(rig, &[])?],
-        None => named()?,
+        None => NamedRig::presets(),
     };
     let believed: Vec<Believed> = rigs.iter().map(Believed::new).collect();
     if let Some(number) = args.show {
@@ -121,11 +121,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.answer(&answer, &rows, picture, || {
         text(outcomes.len(), seconds, args.seed, &lines)
     })
-}
-
-/// The presets, around which the trials are drawn.
-fn named() -> Result<Vec<NamedRig>, UserError> {
-    RIGS.iter().map(|rig| Ok(NamedRig::preset(rig)?)).collect()
 }
 
 /// Each rig that was tried, then all of them.

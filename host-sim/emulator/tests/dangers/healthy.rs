@@ -1,13 +1,12 @@
 //! Healthy rigs drawn at random: nothing is told of them, and they hold soon.
 
 use emulator::trials::long::{Campaign, LongTrial};
-use emulator::trials::{Believed, Distribution, RIGS, run_all};
+use emulator::trials::{Believed, Distribution, run_all};
 use numerics::NamedRig;
 use rayon::prelude::*;
 
 fn presets() -> Vec<Believed> {
-    let rig = |name| Believed::new(&NamedRig::preset(name).unwrap());
-    RIGS.map(rig).to_vec()
+    NamedRig::presets().iter().map(Believed::new).collect()
 }
 
 fn least(share: Option<f64>) -> f64 {

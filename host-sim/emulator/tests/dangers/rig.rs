@@ -41,7 +41,7 @@ fn a_wrong_zero_of_the_hammer_is_no_gap() {
     let each = RIGS
         .iter()
         .flat_map(|rig| [-1450, 1450].map(|um| (rig, um)));
-    let each = some(2, each);
+    let each: Vec<_> = each.collect();
     each.par_iter().for_each(|(rig, um)| {
         let with = |um: i32| {
             let truth = truth_of(
