@@ -8,7 +8,8 @@ use shared::control::{Command, Mode, State, Status};
 use shared::fault::FaultRecord;
 use shared::settings::TICK_RATE_HZ;
 
-use super::client::{Client, Clock};
+use super::client::Client;
+use super::clock::Clock;
 use emulator::names::state_name;
 use files::UserError;
 

@@ -12,8 +12,6 @@ use shared::link::{
 };
 use wire::Caller;
 
-use emulator::names::state_name;
-
 use files::UserError;
 
 use super::port;
@@ -26,9 +24,6 @@ const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(3);
 
 /// How often a request is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
-
-/// A controller whose tick does not change for so long has stopped.
-const STANDSTILL: Duration = Duration::from_secs(5);
 
 /// Streamed messages stored while waiting for an answer: a second of recording at 2000 blocks a second.
 const KEPT: usize = 2000;
@@ -102,38 +97,6 @@ pub fn stop_beside_another(name: &str) -> Result<bool, UserError> {
         .repeat(ATTEMPTS as usize);
     // The zero ends whatever half frame the other program has sent.
     port::write_beside_another(name, &[&[0], stop.as_slice()].concat())
-}
-
-/// A controller's clock, watched for standing still.
-#[derive(Debug, Default)]
-pub struct Clock {
-    last: Option<(u32, Instant)>,
-}
-
-impl Clock {
-    /// A clock of which nothing is known yet.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Takes the tick of a status.
-    ///
-    /// # Errors
-    /// If it has not changed for five seconds.
-    pub fn goes_on(&mut self, status: &Status) -> Result<(), String> {
-        match self.last {
-            Some((tick, since)) if tick == status.tick => {
-                if since.elapsed() > STANDSTILL {
-                    return Err(format!(
-                        "the controller stands still in {} at tick {tick}; reset the board",
-                        state_name(status.state)
-                    ));
-                }
-            }
-            _ => self.last = Some((status.tick, Instant::now())),
-        }
-        Ok(())
-    }
 }
 
 impl<P: Read + Write> Client<P> {

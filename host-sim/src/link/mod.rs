@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`client`] | sends requests, waits for answers |
+//! | [`clock`] | whether its controller goes on |
 //! | `port` | opens a port and leaves it free |
 //! | [`by_hand`] | a force curve measured in manual mode |
 //! | `live` | an emulated board behind a pseudo-terminal (Unix) |
@@ -10,6 +11,7 @@
 
 pub mod by_hand;
 pub mod client;
+pub mod clock;
 #[cfg(unix)]
 pub mod live;
 mod port;

@@ -11,7 +11,7 @@ use shared::settings::TICK_RATE_HZ;
 use super::Port;
 use crate::cli::arguments::output::{Format, emit, to_json};
 use crate::cli::terminal::{print, print_if_read};
-use crate::link::client::Clock;
+use crate::link::clock::Clock;
 use emulator::names::state_name;
 use files::UserError;
 use files::made_from::{MadeFrom, into_json};
