@@ -94,8 +94,10 @@ fn main() -> ExitCode {
         text.map_or(or, |text| text.parse().expect("a number"))
     };
     let noise = [number(1, 0.5), number(2, 2.0)];
-    println!("| rig | ringing, kHz | asked | mean, % of it | largest in Hold, % | largest, % |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| rig | ringing, kHz | asked | not in Hold at the end | mean, % of it | largest in Hold, % | largest, % |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     let cases: Vec<_> = RIGS
         .iter()
         .flat_map(|rig| RINGING_KHZ.map(|khz| (*rig, khz)))
@@ -115,20 +117,18 @@ fn main() -> ExitCode {
             }
         });
         let range = |i: usize| {
-            let of = |pick: fn(f64, f64) -> f64, from: f64| {
-                all.iter().fold(from, |a, row| {
-                    if row[i].is_nan() {
-                        f64::NAN
-                    } else {
-                        pick(a, row[i])
-                    }
-                })
-            };
-            format!("{:.1} to {:.1}", of(f64::min, 1e9), of(f64::max, 0.0))
+            let held = || all.iter().map(|row| row[i]).filter(|peak| !peak.is_nan());
+            let (least, most) = (held().reduce(f64::min), held().reduce(f64::max));
+            format!(
+                "{:.1} to {:.1}",
+                least.unwrap_or(f64::NAN),
+                most.unwrap_or(f64::NAN)
+            )
         };
         let asked = if limited { "limit" } else { "force" };
+        let lost = all.iter().filter(|[mean, ..]| mean.is_nan()).count();
         println!(
-            "| {rig} | {khz} | {asked} {strong_n} N | {} | {} | {} |",
+            "| {rig} | {khz} | {asked} {strong_n} N | {lost} | {} | {} | {} |",
             range(0),
             range(1),
             range(2)

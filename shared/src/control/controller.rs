@@ -61,6 +61,8 @@ pub(super) struct LastSamples {
     pub arrived: bool,
     /// Drive phase of the last onset, turns.
     pub onset_turns: f32,
+    /// Whether the last contact seemed stronger than the trip level.
+    pub too_strong: bool,
     /// Command at the last strobe, m.
     pub command_m: f32,
     /// Furthest the cart was from its middle in this half of the drive period, m.
@@ -84,6 +86,7 @@ impl LastSamples {
         ticks_without_contact: 0,
         arrived: false,
         onset_turns: 0.0,
+        too_strong: false,
         command_m: 0.0,
         cart_peak_m: 0.0,
         free_force: (0.0, 0),

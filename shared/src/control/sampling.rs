@@ -126,10 +126,13 @@ impl Controller {
         }
         self.rig.identification.pulse(pulse);
         let trip = self.plausibility.pulse(pulse);
-        // A blow of which the samples showed less, as the ringing fell, than the most of those before it.
-        let beyond = || pulse.peak_n * self.doubt().force > self.settings.trips.force_n;
+        // A blow of which the samples showed less, as the ringing fell, than the most of those before it; two in a row where one may be
+        // noise.
+        let beyond = pulse.peak_n * self.doubt().force > self.settings.trips.force_n;
+        let again =
+            core::mem::replace(&mut self.seen.too_strong, beyond) || self.sense.ringing().is_sure();
         let trip = trip.or_else(|| {
-            beyond().then_some(Trip {
+            (beyond && again).then_some(Trip {
                 fault: Fault::OverForce,
                 origin: Origin::Force,
                 value: pulse.peak_n,

@@ -27,13 +27,20 @@ const TAIL: usize = 48;
 const MARGIN: f32 = 3.5;
 /// Lags of the correlation.
 const LAGS: usize = 12;
-/// Contacts in the correlation and in the mean of peaks.
+/// Contacts in the mean of peaks, and in what is added up of their ringing.
 const MEMORY: f32 = 16.0;
+const RINGING_MEMORY: f32 = 128.0;
+/// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
+const UNSURE: f32 = 0.01;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
 /// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
 const TWO_MEMORY: f32 = 512.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
+/// Samples at either end of the tail, the first over the last of which (squares), and over the contact's peak, show a ringing.
+const ENDS: usize = 16;
+const LOUD: f32 = 1.7;
+const LOUD_OF_PEAK: f32 = 2.5e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
 /// And as far as what was found is believed.
@@ -92,12 +99,16 @@ pub struct Ringing {
     /// The last two samples.
     last_n: [f32; 2],
     correlation: [f32; LAGS],
+    /// Squares of the tail's first samples, of its last, and of as many peaks, added up.
+    squares: [f32; 3],
     /// Contacts that were collected, and their mean, as read and without ringing.
     contacts: u8,
     read: RingingContact,
     found: RingingContact,
     /// The most that two samples in a row of such a contact reach of its true peak.
     two_share: f32,
+    /// Error of the last contact's peak by the noise, as a share of it.
+    unsure: f32,
     /// The contact under way as it is read, and without ringing, once known.
     reading: RingingContact,
     own: Option<RingingContact>,
@@ -131,10 +142,12 @@ impl Ringing {
             crossed_before: 0.0,
             last_n: [0.0; 2],
             correlation: [0.0; LAGS],
+            squares: [0.0; 3],
             contacts: 0,
             read: RingingContact::NONE,
             found: RingingContact::NONE,
             two_share: 0.0,
+            unsure: 0.0,
             reading: RingingContact::NONE,
             own: None,
             open: false,
@@ -169,6 +182,11 @@ impl Ringing {
         } else {
             1.0
         }
+    }
+
+    /// Whether the peak of a single contact says something, and not only those of several.
+    pub fn is_sure(&self) -> bool {
+        self.unsure < UNSURE
     }
 
     /// The largest peak of the contacts that ended since the last call, N, each with the ringing after it.
@@ -221,6 +239,7 @@ impl Ringing {
     }
 
     /// The contact that was under way, if any, is over.
+    #[inline(never)]
     fn end(&mut self) -> Option<RingingContact> {
         let reading = core::mem::replace(&mut self.reading, RingingContact::NONE);
         if reading.peak_n <= 0.0 {
@@ -236,46 +255,85 @@ impl Ringing {
     }
 
     /// A contact and its ringing have been collected.
+    #[inline(never)]
     fn contact(&mut self, shape: &Shape) {
-        let tail = || self.samples.iter().skip(shape.tail).take(TAIL);
+        let mut tail = [0.0; TAIL];
+        for (place, sample) in tail.iter_mut().zip(self.samples.iter().skip(shape.tail)) {
+            *place = *sample;
+        }
         let length = shape.tail + TAIL;
-        let measure = |samples: &[f32; LENGTH]| RingingContact {
-            peak_n: samples.iter().take(length).fold(0.0, |a, b| a.max(*b)),
-            sum_n: samples.iter().take(length).sum(),
-        };
-        let read = measure(&self.samples);
+        let read = measure(&self.samples, length);
         let pairs = self.samples.windows(2).take(length - 1);
         let two_n = pairs.fold(0.0, |most: f32, pair| {
             most.max(pair.iter().copied().fold(f32::INFINITY, f32::min))
         });
+        let add = |sum: &mut f32, new| *sum += new - *sum / RINGING_MEMORY;
         for (lag, sum) in (1..).zip(&mut self.correlation) {
-            let products = tail().take(TAIL - LAGS).zip(tail().skip(lag));
-            let new: f32 = products.map(|(a, b)| a * b).sum();
-            // In shares of the peak, so that all contacts count alike.
-            *sum += (new / (read.peak_n * read.peak_n) - *sum) / MEMORY;
+            add(sum, products(&tail, 0, lag, TAIL - LAGS));
         }
+        let squares = [
+            products(&tail, 0, 0, ENDS),
+            products(&tail, TAIL - ENDS, 0, ENDS),
+            ENDS as f32 * read.peak_n * read.peak_n,
+        ];
+        for (sum, new) in self.squares.iter_mut().zip(squares) {
+            add(sum, new);
+        }
+        let [first, last, peak] = self.squares;
+        let rings = first > LOUD * last && first > LOUD_OF_PEAK * peak;
         let mut found = read;
-        let fitted =
-            pole(&self.correlation).and_then(|pole| Some((pole, amplitude(tail(), pole)?)));
-        if let Some((pole, amplitude)) = fitted {
+        self.unsure = 0.0;
+        let fitted = pole(&self.correlation).and_then(|pole| Some((pole, amplitude(&tail, pole)?)));
+        if let Some((pole, (amplitude, left))) = fitted {
+            // Of samples without noise, less than nothing may be left by rounding.
+            let left = left.max(0.0) * products(&tail, 0, 0, TAIL) / TAIL as f32;
+            let noise = libm::sqrtf(left) / read.peak_n;
+            let since_peak = shape.tail as f32 - shape.to_peak;
+            self.unsure = 0.5 * noise * libm::expf(-pole.re * since_peak);
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
-            found = measure(&self.samples);
+            found = measure(&self.samples, length);
+        } else if rings {
+            // It rings, but how is lost in the noise.
+            found.peak_n *= MOST;
+            self.unsure = 1.0;
         }
         let (least, most) = BELIEVED;
         if !(least..most).contains(&(found.peak_n / read.peak_n)) || !found.sum_n.is_finite() {
             found = read;
         }
-        self.own = Some(found);
         self.contacts = self.contacts.saturating_add(1);
         let weight = 1.0 / f32::from(self.contacts).min(MEMORY);
         for (mean, new) in [(&mut self.read, read), (&mut self.found, found)] {
             mean.peak_n += weight * (new.peak_n - mean.peak_n);
             mean.sum_n += weight * (new.sum_n - mean.sum_n);
         }
+        let as_before_n = read.peak_n * self.peak_over_reading();
+        let own = UNSURE * UNSURE / (UNSURE * UNSURE + self.unsure * self.unsure);
+        self.own = Some(RingingContact {
+            peak_n: as_before_n + own * (found.peak_n - as_before_n),
+            ..found
+        });
         let share = two_n / found.peak_n;
         let faded = self.two_share + (share - self.two_share) / TWO_MEMORY;
         self.two_share = share.max(faded);
     }
+}
+
+/// Peak and sum of the first `length` samples.
+#[inline(never)]
+fn measure(samples: &[f32; LENGTH], length: usize) -> RingingContact {
+    RingingContact {
+        peak_n: samples.iter().take(length).fold(0.0, |a, b| a.max(*b)),
+        sum_n: samples.iter().take(length).sum(),
+    }
+}
+
+/// Sum of the products of `count` samples, the first at `from`, with those `lag` later.
+#[inline(never)]
+fn products(samples: &[f32; TAIL], from: usize, lag: usize, count: usize) -> f32 {
+    let later = samples.iter().skip(from + lag);
+    let pairs = samples.iter().skip(from).zip(later).take(count);
+    pairs.map(|(a, b)| a * b).sum()
 }
 
 /// 1 where nothing is known yet.
@@ -286,11 +344,11 @@ fn ratio(found: f32, read: f32) -> f32 {
 /// The decaying sine of a correlation: the logarithm of what it is multiplied by per tick. None if it is no such sine.
 fn pole(correlation: &[f32; LAGS]) -> Option<Complex<f32>> {
     // Each is a sum of the two before it, with the same weights.
-    let rows = correlation.windows(3).filter_map(|three| match *three {
+    let mut rows = correlation.windows(3).filter_map(|three| match *three {
         [oldest, before, now] => Some((Vector2::new(before, oldest), now)),
         _ => None,
     });
-    let (weights, left) = least_squares(rows)?;
+    let (weights, left) = least_squares(&mut rows)?;
     let (sum, squared) = (weights.x, -weights.y);
     let decays = squared > LEAST_DECAY && squared < 1.0;
     let real = 0.5 * sum;
@@ -334,24 +392,25 @@ impl Shape {
     }
 }
 
-/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first.
-fn amplitude<'a>(
-    samples: impl Iterator<Item = &'a f32>,
-    pole: Complex<f32>,
-) -> Option<Complex<f32>> {
+/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first, and the share of their
+/// squares that is left.
+fn amplitude(samples: &[f32; TAIL], pole: Complex<f32>) -> Option<(Complex<f32>, f32)> {
     let step = exp(pole);
     let mut turned = Complex::new(1.0, 0.0);
-    let rows = samples.map(|sample| {
+    let mut rows = samples.iter().map(|sample| {
         let row = Vector2::new(turned.re, -turned.im);
         turned *= step;
         (row, *sample)
     });
-    let (found, _) = least_squares(rows)?;
-    Some(Complex::new(found.x, found.y))
+    let (found, left) = least_squares(&mut rows)?;
+    Some((Complex::new(found.x, found.y), left))
 }
 
 /// The two weights with which the rows come closest to their values, and the share of the values' squares that is left.
-fn least_squares(rows: impl Iterator<Item = (Vector2<f32>, f32)>) -> Option<(Vector2<f32>, f32)> {
+#[inline(never)]
+fn least_squares(
+    rows: &mut dyn Iterator<Item = (Vector2<f32>, f32)>,
+) -> Option<(Vector2<f32>, f32)> {
     let (mut normal, mut right, mut all) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
     for (row, value) in rows {
         normal += row * row.transpose();
@@ -363,6 +422,7 @@ fn least_squares(rows: impl Iterator<Item = (Vector2<f32>, f32)>) -> Option<(Vec
 }
 
 /// e^z, with the same bits on every processor, unlike that of `nalgebra`.
+#[inline(never)]
 fn exp(z: Complex<f32>) -> Complex<f32> {
     Complex::new(libm::cosf(z.im), libm::sinf(z.im)) * libm::expf(z.re)
 }
