@@ -4,7 +4,7 @@
 //!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT [DECAY_MS]]
 //!
 //! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out; DECAY_MS the time within which the ringing
-//! decays, 2 if left out. Ends with 1 if a mean is more than 2 % off the force wanted, a blow in Hold above 105 % of the limit, or
+//! decays, 2 if left out. Ends with 1 if a mean is more than 1.25 % off the force wanted, a blow in Hold above 105 % of the limit, or
 //! any above 110 % of it, the trip level.
 
 use std::process::ExitCode;
@@ -113,7 +113,7 @@ fn main() -> ExitCode {
             if limited {
                 *in_hold <= 105.0 && *largest <= 110.0
             } else {
-                (98.0..=102.0).contains(mean)
+                (98.75..=101.25).contains(mean)
             }
         });
         let range = |i: usize| {
