@@ -13,7 +13,7 @@ use shared::model::twin::Twin;
 use shared::settings::{DriveKind, DriveSettings, Settings, TICK_RATE_HZ, TICK_S};
 
 /// Ticks in a step of the model: with a step to every tick, the tick of a light touch would take a block past its
-/// deadline (docs/board-machine.md).
+/// deadline (docs/flashing.md).
 const STEP_TICKS: u32 = 2;
 /// Length of a step of the model, s.
 const STEP_S: f64 = STEP_TICKS as f64 * TICK_S;
