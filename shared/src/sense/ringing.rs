@@ -32,6 +32,11 @@ const MEMORY: f32 = 16.0;
 const RINGING_MEMORY: f32 = 128.0;
 /// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
 const UNSURE: f32 = 0.01;
+/// And from which on nothing is known of it.
+const UNKNOWN: f32 = 0.04;
+/// What is left of the tail without its ringing, over what the last samples of the contacts before it were (squares), if the surface does
+/// not ring as it did.
+const OTHERWISE: f32 = 1.7;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
 /// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
 const TWO_MEMORY: f32 = 512.0;
@@ -287,14 +292,20 @@ impl Ringing {
         if let Some((pole, (amplitude, left))) = fitted {
             // Of samples without noise, less than nothing may be left by rounding.
             let left = left.max(0.0) * products(&tail, 0, 0, TAIL) / TAIL as f32;
-            let noise = libm::sqrtf(left) / read.peak_n;
+            let left = left / (read.peak_n * read.peak_n);
+            if left * peak > OTHERWISE * last {
+                self.correlation = [0.0; LAGS];
+                self.squares = [0.0; 3];
+            }
+            let noise = libm::sqrtf(left);
             let since_peak = shape.tail as f32 - shape.to_peak;
             self.unsure = 0.5 * noise * libm::expf(-pole.re * since_peak);
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
             found = measure(&self.samples, length);
-        } else if rings {
-            // It rings, but how is lost in the noise.
-            found.peak_n *= MOST;
+        }
+        if self.unsure > UNKNOWN || (fitted.is_none() && rings) {
+            // It rings, but how is not known.
+            found.peak_n = MOST * read.peak_n;
             self.unsure = 1.0;
         }
         let (least, most) = BELIEVED;

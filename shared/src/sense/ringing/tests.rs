@@ -48,17 +48,25 @@ fn samples(share: f64, hz: f64, decay_s: f64, late: usize) -> Vec<f32> {
     seen
 }
 
-/// Peak and impulse as found from 40 contacts at other places in a tick, over the true ones.
-fn found(share: f64, hz: f64, decay_s: f64, noise: f32) -> (f32, f32) {
+/// Peak and sum as found of so many contacts of one ringing (Hz, share) after another, over the true ones, each at another place in a
+/// tick.
+fn contacts<const N: usize>(
+    rung: [(usize, (f64, f64)); N],
+    decay_s: f64,
+    noise: f32,
+) -> Vec<(f32, f32)> {
     let settings = Settings::for_rig(&WIRES);
     let (forces, top) = contact();
     let peak_n = forces[top] as f32;
     let impulse_n_s = 1e-6 * forces.iter().sum::<f64>() as f32;
     let mut detector = PulseDetector::new(&settings.detection, 5e-5);
     let mut ringing = Ringing::new(&settings, 5e-5);
-    let (mut peak, mut impulse, mut random) = (0.0, 0.0, 12_345_u32);
-    for i in 0..72 {
-        for sample in samples(share, hz, decay_s, 17 * i % INNER) {
+    let (mut found, mut random) = (Vec::new(), 12_345_u32);
+    let each = rung
+        .iter()
+        .flat_map(|(count, how)| core::iter::repeat_n(how, *count));
+    for (i, (hz, share)) in each.enumerate() {
+        for sample in samples(*share, *hz, decay_s, 17 * i % INNER) {
             // The sum of four even ones.
             let wave: f32 = core::iter::repeat_with(|| {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -67,17 +75,20 @@ fn found(share: f64, hz: f64, decay_s: f64, noise: f32) -> (f32, f32) {
             .take(4)
             .sum();
             let force_n = sample + noise * peak_n * 1.732 * wave;
-            // The first contacts only show how it rings.
-            if let Some(contact) = ringing.tick(force_n, &detector.tick(force_n))
-                && i >= 32
-            {
-                peak += contact.peak_n / 40.0;
-                impulse += 5e-5 * contact.sum_n / 40.0;
-            }
+            let over = ringing.tick(force_n, &detector.tick(force_n));
+            found.extend(over.map(|c| (c.peak_n / peak_n, 5e-5 * c.sum_n / impulse_n_s)));
         }
     }
     assert_eq!(ringing.doubt(), 1.0);
-    (peak / peak_n, impulse / impulse_n_s)
+    found
+}
+
+/// Mean peak and impulse of 40 contacts, over the true ones; those before them only show how it rings.
+fn found(share: f64, hz: f64, decay_s: f64, noise: f32) -> (f32, f32) {
+    let all = contacts([(72, (hz, share))], decay_s, noise);
+    let last = &all[32..];
+    let mean = |of: fn(&(f32, f32)) -> f32| last.iter().map(of).sum::<f32>() / last.len() as f32;
+    (mean(|c| c.0), mean(|c| c.1))
 }
 
 #[test]
@@ -108,8 +119,8 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
 #[test]
 fn a_ringing_that_is_lost_in_the_noise_hides_little_of_the_peak() {
     for (noise, decay_s, believed) in [
-        (0.01, 5e-4, 0.972..1.15),
-        (0.01, 3e-4, 0.9..1.22),
+        (0.01, 5e-4, 0.972..1.2),
+        (0.01, 3e-4, 0.9..1.3),
         (0.02, 1e-3, 0.972..1.05),
     ] {
         for hz in [1e3, 2e3, 3e3, 5e3] {
@@ -145,4 +156,30 @@ fn a_contact_that_goes_on_keeps_its_later_peak_and_its_whole_impulse() {
         panic!("{seen:?}");
     };
     assert_eq!((contact.peak_n, contact.sum_n), (90.0, whole));
+}
+
+/// Drilled on, a surface may ring at another pitch: what was learnt of it is forgotten. (While it was not, the peak was read 17 % too low
+/// for hundreds of contacts.)
+#[test]
+fn a_surface_that_rings_otherwise_from_now_on_is_learnt_anew() {
+    for (from, to) in [
+        ((3e3, 0.5), (2e3, 0.5)),
+        ((2e3, 0.3), (5e3, 0.5)),
+        ((3e3, 0.5), (1e3, 0.2)),
+        ((3e3, 0.0), (3e3, 0.5)),
+        ((3e3, 0.5), (3e3, 0.0)),
+        ((1e3, 0.5), (1.3e3, 0.5)),
+    ] {
+        let all = contacts([(150, from), (70, to)], 2e-3, 0.005);
+        let mean = |of: core::ops::Range<usize>| all[of].iter().map(|c| c.0).sum::<f32>() / 10.0;
+        let soon = mean(150..160);
+        assert!((0.96..1.1).contains(&soon), "{from:?} {to:?}: {soon}");
+        for k in [160, 180, 210] {
+            let later = mean(k..k + 10);
+            assert!(
+                (0.99..1.16).contains(&later),
+                "{from:?} {to:?} {k}: {later}"
+            );
+        }
+    }
 }
