@@ -4,7 +4,7 @@
 //! to 18 % below the contact's true peak; where it has come back before the force is gone, up to 25 % above it.
 //! After the contact the sensor sees the ringing alone: a decaying sine. Its pitch and decay come from the correlation
 //! of those samples, added up over contacts (noise adds to the correlation at no lag, which is left out); its size and phase
-//! are fitted to each contact. It is then followed back to where it began, through the anti-alias filter, and
+//! are fitted to each contact. Where they cannot be known, the peak is taken for 1.2 times what is read. The ringing is followed back to where it began, through the anti-alias filter, and
 //! taken out of the samples of the contact. With ringing of 5 to 60 % at 1 to 6 kHz and a decay of 1 or 2 ms, the peak of the
 //! emulator's contact is that of the same contact without ringing within 0.2 %, with noise of 0.5 % of the peak within
 //! 0.5 %, with 2 % within 3.4 % (a ringing of 5 % is then not always told from the noise).
@@ -27,8 +27,9 @@ const TAIL: usize = 48;
 const MARGIN: f32 = 3.5;
 /// Lags of the correlation.
 const LAGS: usize = 12;
-/// Contacts in the mean of peaks, and in what is added up of their ringing.
+/// Contacts in the mean of peaks.
 const MEMORY: f32 = 16.0;
+/// Contacts in what is added up of their ringing.
 const RINGING_MEMORY: f32 = 128.0;
 /// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
 const UNSURE: f32 = 0.01;
@@ -42,9 +43,11 @@ const OTHERWISE: f32 = 1.7;
 const TWO_MEMORY: f32 = 512.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
-/// Samples at either end of the tail, the first over the last of which (squares), and over the contact's peak, show a ringing.
+/// Samples at either end of the tail that are compared.
 const ENDS: usize = 16;
+/// The first of them over the last (squares) from which on there is a ringing,
 const LOUD: f32 = 1.7;
+/// and over the contact's peak.
 const LOUD_OF_PEAK: f32 = 2.5e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
@@ -92,6 +95,48 @@ impl Shape {
     }
 }
 
+/// How the surface rings: what is added up over the contacts, N².
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Learnt {
+    correlation: [f32; LAGS],
+    /// Squares of the tail's first samples, of its last, and of as many peaks.
+    squares: [f32; 3],
+}
+
+impl Learnt {
+    const NOTHING: Self = Self {
+        correlation: [0.0; LAGS],
+        squares: [0.0; 3],
+    };
+
+    fn add(&mut self, tail: &[f32; TAIL], peak_n: f32) {
+        let add = |sum: &mut f32, new| *sum += new - *sum / RINGING_MEMORY;
+        for (lag, sum) in (1..).zip(&mut self.correlation) {
+            add(sum, products(tail, 0, lag, TAIL - LAGS));
+        }
+        let squares = [
+            products(tail, 0, 0, ENDS),
+            products(tail, TAIL - ENDS, 0, ENDS),
+            ENDS as f32 * peak_n * peak_n,
+        ];
+        for (sum, new) in self.squares.iter_mut().zip(squares) {
+            add(sum, new);
+        }
+    }
+
+    /// Whether the tails are louder at first than at last.
+    fn rings(&self) -> bool {
+        let [first, last, peak] = self.squares;
+        first > LOUD * last && first > LOUD_OF_PEAK * peak
+    }
+
+    /// Whether a contact rings otherwise, of whose tail `left` (mean square, over the peak's) is left without the ringing learnt.
+    fn is_contradicted(&self, left: f32) -> bool {
+        let [_, last, peak] = self.squares;
+        left * peak > OTHERWISE * last
+    }
+}
+
 /// Finds the ringing, one sample of the force at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ringing {
@@ -103,9 +148,7 @@ pub struct Ringing {
     crossed_before: f32,
     /// The last two samples.
     last_n: [f32; 2],
-    correlation: [f32; LAGS],
-    /// Squares of the tail's first samples, of its last, and of as many peaks, added up.
-    squares: [f32; 3],
+    learnt: Learnt,
     /// Contacts that were collected, and their mean, as read and without ringing.
     contacts: u8,
     read: RingingContact,
@@ -146,8 +189,7 @@ impl Ringing {
             count: LENGTH,
             crossed_before: 0.0,
             last_n: [0.0; 2],
-            correlation: [0.0; LAGS],
-            squares: [0.0; 3],
+            learnt: Learnt::NOTHING,
             contacts: 0,
             read: RingingContact::NONE,
             found: RingingContact::NONE,
@@ -272,30 +314,18 @@ impl Ringing {
         let two_n = pairs.fold(0.0, |most: f32, pair| {
             most.max(pair.iter().copied().fold(f32::INFINITY, f32::min))
         });
-        let add = |sum: &mut f32, new| *sum += new - *sum / RINGING_MEMORY;
-        for (lag, sum) in (1..).zip(&mut self.correlation) {
-            add(sum, products(&tail, 0, lag, TAIL - LAGS));
-        }
-        let squares = [
-            products(&tail, 0, 0, ENDS),
-            products(&tail, TAIL - ENDS, 0, ENDS),
-            ENDS as f32 * read.peak_n * read.peak_n,
-        ];
-        for (sum, new) in self.squares.iter_mut().zip(squares) {
-            add(sum, new);
-        }
-        let [first, last, peak] = self.squares;
-        let rings = first > LOUD * last && first > LOUD_OF_PEAK * peak;
+        self.learnt.add(&tail, read.peak_n);
+        let rings = self.learnt.rings();
         let mut found = read;
         self.unsure = 0.0;
-        let fitted = pole(&self.correlation).and_then(|pole| Some((pole, amplitude(&tail, pole)?)));
+        let fitted =
+            pole(&self.learnt.correlation).and_then(|pole| Some((pole, amplitude(&tail, pole)?)));
         if let Some((pole, (amplitude, left))) = fitted {
             // Of samples without noise, less than nothing may be left by rounding.
             let left = left.max(0.0) * products(&tail, 0, 0, TAIL) / TAIL as f32;
             let left = left / (read.peak_n * read.peak_n);
-            if left * peak > OTHERWISE * last {
-                self.correlation = [0.0; LAGS];
-                self.squares = [0.0; 3];
+            if self.learnt.is_contradicted(left) {
+                self.learnt = Learnt::NOTHING;
             }
             let noise = libm::sqrtf(left);
             let since_peak = shape.tail as f32 - shape.to_peak;

@@ -6,6 +6,9 @@ use crate::sense::pulse::PulseDetector;
 use crate::settings::Settings;
 use std::vec::Vec;
 
+/// Frequency in Hz, and shares of the peak by which it rings at it and at 1.7 times of it.
+type Rung = [f64; 3];
+
 /// Integration steps in a tick.
 const INNER: usize = 50;
 
@@ -26,9 +29,9 @@ fn contact() -> (Vec<f64>, usize) {
     (forces, top.unwrap())
 }
 
-/// What the filter makes of the contact, which rings by `share` at `hz` and decays within `decay_s`; starts `late` of
-/// [`INNER`] into a tick.
-fn samples(share: f64, hz: f64, decay_s: f64, late: usize) -> Vec<f32> {
+/// What the filter makes of the contact, which rings by `share` at `hz`, and by `second` at 1.7 times that, and decays within `decay_s`;
+/// starts `late` of [`INNER`] into a tick.
+fn samples([hz, share, second]: Rung, decay_s: f64, late: usize) -> Vec<f32> {
     let (forces, top) = contact();
     let before = 4 * INNER + late;
     let (h, corner) = (1e-6, core::f64::consts::TAU * 6_000.0);
@@ -37,8 +40,9 @@ fn samples(share: f64, hz: f64, decay_s: f64, late: usize) -> Vec<f32> {
     for k in 0..140 * INNER {
         let force = k.checked_sub(before).and_then(|i| forces.get(i));
         let t = k.saturating_sub(before + top) as f64 * h;
-        let swing = share * forces[top] * (-t / decay_s).exp();
-        let signal = force.unwrap_or(&0.0) - swing * (core::f64::consts::TAU * hz * t).sin();
+        let turned = core::f64::consts::TAU * hz * t;
+        let swing = share * turned.sin() + second * (1.7 * turned).sin();
+        let signal = force.unwrap_or(&0.0) - forces[top] * (-t / decay_s).exp() * swing;
         rate += h * corner * (corner * (signal - y) - core::f64::consts::SQRT_2 * rate);
         y += h * rate;
         if k % INNER == 0 {
@@ -50,11 +54,7 @@ fn samples(share: f64, hz: f64, decay_s: f64, late: usize) -> Vec<f32> {
 
 /// Peak and sum as found of so many contacts of one ringing (Hz, share) after another, over the true ones, each at another place in a
 /// tick.
-fn contacts<const N: usize>(
-    rung: [(usize, (f64, f64)); N],
-    decay_s: f64,
-    noise: f32,
-) -> Vec<(f32, f32)> {
+fn contacts<const N: usize>(rung: [(usize, Rung); N], decay_s: f64, noise: f32) -> Vec<(f32, f32)> {
     let settings = Settings::for_rig(&WIRES);
     let (forces, top) = contact();
     let peak_n = forces[top] as f32;
@@ -65,8 +65,8 @@ fn contacts<const N: usize>(
     let each = rung
         .iter()
         .flat_map(|(count, how)| core::iter::repeat_n(how, *count));
-    for (i, (hz, share)) in each.enumerate() {
-        for sample in samples(*share, *hz, decay_s, 17 * i % INNER) {
+    for (i, how) in each.enumerate() {
+        for sample in samples(*how, decay_s, 17 * i % INNER) {
             // The sum of four even ones.
             let wave: f32 = core::iter::repeat_with(|| {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -84,8 +84,8 @@ fn contacts<const N: usize>(
 }
 
 /// Mean peak and impulse of 40 contacts, over the true ones; those before them only show how it rings.
-fn found(share: f64, hz: f64, decay_s: f64, noise: f32) -> (f32, f32) {
-    let all = contacts([(72, (hz, share))], decay_s, noise);
+fn found(how: Rung, decay_s: f64, noise: f32) -> (f32, f32) {
+    let all = contacts([(72, how)], decay_s, noise);
     let last = &all[32..];
     let mean = |of: fn(&(f32, f32)) -> f32| last.iter().map(of).sum::<f32>() / last.len() as f32;
     (mean(|c| c.0), mean(|c| c.1))
@@ -98,13 +98,13 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
         (0.005, (0.007, 0.003)),
         (0.02, (0.04, 0.05)),
     ] {
-        let plain = found(0.0, 3e3, 2e-3, noise);
+        let plain = found([3e3, 0.0, 0.0], 2e-3, noise);
         assert!((plain.0 - 1.0).abs() < 0.025, "{plain:?}");
         assert!((plain.1 - 1.0).abs() < 0.01, "{plain:?}");
         for decay_s in [1e-3, 2e-3] {
             for hz in [1e3, 2e3, 3e3, 4e3, 5e3, 6e3] {
                 for share in [0.05, 0.1, 0.2, 0.3, 0.45, 0.6] {
-                    let rung = found(share, hz, decay_s, noise);
+                    let rung = found([hz, share, 0.0], decay_s, noise);
                     let off = (rung.0 / plain.0 - 1.0, rung.1 / plain.1 - 1.0);
                     let is_within = off.0.abs() < within.0 && off.1.abs() < within.1;
                     assert!(is_within, "{noise} {decay_s} {hz} {share}: {off:?}");
@@ -125,7 +125,7 @@ fn a_ringing_that_is_lost_in_the_noise_hides_little_of_the_peak() {
     ] {
         for hz in [1e3, 2e3, 3e3, 5e3] {
             for share in [0.05, 0.1, 0.2, 0.3, 0.5] {
-                let (peak, _) = found(share, hz, decay_s, noise);
+                let (peak, _) = found([hz, share, 0.0], decay_s, noise);
                 assert!(
                     believed.contains(&peak),
                     "{noise} {decay_s} {hz} {share}: {peak}"
@@ -158,6 +158,22 @@ fn a_contact_that_goes_on_keeps_its_later_peak_and_its_whole_impulse() {
     assert_eq!((contact.peak_n, contact.sum_n), (90.0, whole));
 }
 
+/// One ringing does not explain two: the peak is off by no more than docs/controller.md says. (It was read 19 % too low.)
+#[test]
+fn a_surface_that_rings_in_two_modes_hides_no_more_than_stated() {
+    for (noise, decay_s) in [(0.005, 2e-3), (0.01, 1e-3), (0.02, 2e-3)] {
+        for hz in [1e3, 2e3, 3e3] {
+            for share in [0.1, 0.3, 0.5] {
+                for second in [0.2, 0.5] {
+                    let how = [hz, share * (1.0 - second), share * second];
+                    let (peak, _) = found(how, decay_s, noise);
+                    assert!((0.88..1.16).contains(&peak), "{noise} {how:?}: {peak}");
+                }
+            }
+        }
+    }
+}
+
 /// Drilled on, a surface may ring at another pitch: what was learnt of it is forgotten. (While it was not, the peak was read 17 % too low
 /// for hundreds of contacts.)
 #[test]
@@ -170,7 +186,11 @@ fn a_surface_that_rings_otherwise_from_now_on_is_learnt_anew() {
         ((3e3, 0.5), (3e3, 0.0)),
         ((1e3, 0.5), (1.3e3, 0.5)),
     ] {
-        let all = contacts([(150, from), (70, to)], 2e-3, 0.005);
+        let all = contacts(
+            [(150, [from.0, from.1, 0.0]), (70, [to.0, to.1, 0.0])],
+            2e-3,
+            0.005,
+        );
         let mean = |of: core::ops::Range<usize>| all[of].iter().map(|c| c.0).sum::<f32>() / 10.0;
         let soon = mean(150..160);
         assert!((0.96..1.1).contains(&soon), "{from:?} {to:?}: {soon}");
