@@ -2,6 +2,33 @@
 
 use super::*;
 
+/// A surface that rings by so many per cent at so many kHz, as lines of `[sensors]`.
+fn rung((khz, percent): (f64, f64)) -> String {
+    let hz = 1e3 * khz;
+    format!("ringing_hz = {hz:?}\nringing_percent = {percent:?}\n")
+}
+
+/// A force limit, and a trip level 10 % above it.
+fn limited(limit_n: f64) -> String {
+    let trip_n = 1.1 * limit_n;
+    format!("[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {trip_n:?}\n")
+}
+
+/// Each rig with each ringing of its surface.
+fn on_each<'a>(
+    rigs: &[(&'a str, f64)],
+    ringing: &[(f64, f64)],
+) -> Vec<((&'a str, f64), (f64, f64))> {
+    let of = |rig| ringing.iter().map(move |ringing| (rig, *ringing));
+    rigs.iter().flat_map(|rig| of(*rig)).collect()
+}
+
+/// Mean of the largest forces of each second from the fortieth on.
+fn late_mean_n(truth: &Truth) -> f64 {
+    let last = &truth.forces_n[40..];
+    last.iter().sum::<f64>() / last.len() as f64
+}
+
 #[test]
 fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
     for (limit_n, on_the_way) in [(40.0, (2.2, 4.5)), (60.0, (2.3, 3.7))] {
@@ -288,37 +315,22 @@ fn limit_and_force_wanted_are_of_the_true_peak_whatever_the_surface_rings_like()
         (5.0, 12.0),
         (6.0, 40.0),
     ];
-    let cases = rigs
-        .iter()
-        .flat_map(|rig| ringing.map(|ringing| (*rig, ringing)));
-    let cases = some(3, cases);
-    cases
-        .par_iter()
-        .for_each(|((rig, force_n), (khz, percent))| {
-            let sensors = format!(
-                "ringing_hz = {:?}\nringing_percent = {percent:?}\n",
-                1e3 * khz
+    let cases = some(3, on_each(&rigs, &ringing));
+    cases.par_iter().for_each(|((rig, force_n), ringing)| {
+        let sensors = rung(*ringing);
+        let asked = [limited(*force_n), format!("[aim]\nforce_n = {force_n:?}\n")];
+        for (asked, (least, most)) in asked.iter().zip([(0.96, 1.01), (0.98, 1.025)]) {
+            let truth = truth_of(rig, 60.0, &format!("{sensors}{asked}{}", start()));
+            assert_eq!((faults(&truth), truth.end), (vec![], State::Hold));
+            let mean = late_mean_n(&truth) / force_n;
+            let largest = truth.force_n / force_n;
+            println!("{rig} {ringing:?} {asked}: {mean} {largest}");
+            assert!(
+                mean > least && largest < most,
+                "{rig} {ringing:?} {asked}: {mean} {largest}"
             );
-            let asked = [
-                format!(
-                    "[limits]\nforce_n = {force_n:?}\n[trips]\nforce_n = {:?}\n",
-                    1.1 * force_n
-                ),
-                format!("[aim]\nforce_n = {force_n:?}\n"),
-            ];
-            for (asked, (least, most)) in asked.iter().zip([(0.96, 1.01), (0.98, 1.025)]) {
-                let truth = truth_of(rig, 60.0, &format!("{sensors}{asked}{}", start()));
-                assert_eq!((faults(&truth), truth.end), (vec![], State::Hold));
-                let last = &truth.forces_n[40..];
-                let mean = last.iter().sum::<f64>() / last.len() as f64 / force_n;
-                let largest = truth.force_n / force_n;
-                println!("{rig} {khz} kHz {percent} % {asked}: {mean} {largest}");
-                assert!(
-                    mean > least && largest < most,
-                    "{rig} {khz} {percent} {asked}: {mean} {largest}"
-                );
-            }
-        });
+        }
+    });
 }
 
 /// The force of a lossy surface is largest at the onset, before the sensor's filter has followed: a limit was passed by up to 38 %, a
@@ -369,17 +381,19 @@ fn a_limit_that_acts_trips_nothing_wherever_the_samples_fall_in_the_ringing() {
     ];
     cases
         .par_iter()
-        .for_each(|(rig, limit_n, (khz, percent), noise, seed)| {
-            let tables = format!(
-                "ringing_hz = {:?}\nringing_percent = {percent:?}\n[limits]\nforce_n = {limit_n:?}\n\
-                 [trips]\nforce_n = {:?}\n{}",
-                1e3 * khz,
-                1.1 * limit_n,
-                start()
-            );
+        .for_each(|(rig, limit_n, ringing, noise, seed)| {
+            let tables = rung(*ringing) + &limited(*limit_n) + &start();
             let truth = truth_noisy(rig, *noise, *seed, 60.0, &tables);
-            assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{rig} {seed}");
-            assert!(truth.force_n < 1.02 * limit_n, "{rig} {seed}: {}", truth.force_n);
+            assert_eq!(
+                (faults(&truth), truth.end),
+                (vec![], State::Hold),
+                "{rig} {seed}"
+            );
+            assert!(
+                truth.force_n < 1.02 * limit_n,
+                "{rig} {seed}: {}",
+                truth.force_n
+            );
         });
 }
 
@@ -400,28 +414,16 @@ fn a_ringing_that_is_lost_in_the_noise_trips_nothing_and_passes_no_limit_by_much
         (3.0, 10.0),
         (5.0, 20.0),
     ];
-    let cases = rigs
-        .iter()
-        .flat_map(|rig| ringing.map(|ringing| (*rig, ringing)));
-    let cases = some(3, cases);
-    cases
-        .par_iter()
-        .for_each(|((rig, limit_n), (khz, percent))| {
-            let tables = format!(
-                "ringing_hz = {:?}\nringing_percent = {percent:?}\nringing_decay_ms = 0.5\n[limits]\nforce_n = {limit_n:?}\n\
-                 [trips]\nforce_n = {:?}\n{}",
-                1e3 * khz,
-                1.1 * limit_n,
-                start()
-            );
-            let truth = truth_noisy(rig, 1.0, 5, 60.0, &tables);
-            let case = format!("{rig} {khz} {percent}");
-            assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{case}");
-            let last = &truth.forces_n[40..];
-            let mean = last.iter().sum::<f64>() / last.len() as f64 / limit_n;
-            let largest = truth.force_n / limit_n;
-            assert!(mean > 0.85 && largest < 1.08, "{case}: {mean} {largest}");
-        });
+    let cases = some(3, on_each(&rigs, &ringing));
+    cases.par_iter().for_each(|((rig, limit_n), ringing)| {
+        let tables = rung(*ringing) + "ringing_decay_ms = 0.5\n" + &limited(*limit_n) + &start();
+        let truth = truth_noisy(rig, 1.0, 5, 60.0, &tables);
+        let case = format!("{rig} {ringing:?}");
+        assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{case}");
+        let mean = late_mean_n(&truth) / limit_n;
+        let largest = truth.force_n / limit_n;
+        assert!(mean > 0.85 && largest < 1.08, "{case}: {mean} {largest}");
+    });
 }
 
 /// Something throws the hammer at the surface, once, in Hold: a blow above the level trips, whatever the surface rings like.
