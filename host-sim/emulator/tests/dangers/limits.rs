@@ -14,11 +14,11 @@ fn limited(limit_n: f64) -> String {
     format!("[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {trip_n:?}\n")
 }
 
-/// Each rig with each ringing of its surface.
-fn on_each<'a>(
-    rigs: &[(&'a str, f64)],
-    ringing: &[(f64, f64)],
-) -> Vec<((&'a str, f64), (f64, f64))> {
+/// A rig with a force, N, and how its surface rings, kHz and %.
+type Ringing<'a> = ((&'a str, f64), (f64, f64));
+
+/// Each rig with each ringing.
+fn on_each<'a>(rigs: &[(&'a str, f64)], ringing: &[(f64, f64)]) -> Vec<Ringing<'a>> {
     let of = |rig| ringing.iter().map(move |ringing| (rig, *ringing));
     rigs.iter().flat_map(|rig| of(*rig)).collect()
 }
