@@ -200,10 +200,13 @@ pub fn strong_speed_m_per_s(rig: &RigParams) -> f64 {
 
 impl Settings {
     /// These settings for a rig that is really there: a program on the link must be heard while the drive is on, in
-    /// automatic mode, too.
+    /// automatic mode, too, and the emergency stop is tried before each start.
     #[must_use]
-    pub fn with_heartbeat(mut self) -> Self {
-        self.operator.heartbeat = true;
+    pub fn for_real(mut self) -> Self {
+        self.operator = OperatorSettings {
+            heartbeat: true,
+            acknowledge: true,
+        };
         self
     }
 

@@ -107,6 +107,7 @@ pub fn quiet_block(board: &mut EmulatedBoard) {
 /// A board whose force is its frequency, whose limits are 1 and 5 Hz, and whose time runs fast.
 pub struct Toy {
     pub status: Status,
+    pub settings: Settings,
     pub aim_hz: f32,
     pub protocol: u16,
     pub trips_above_hz: f32,
@@ -134,10 +135,12 @@ pub enum Never {
 impl Toy {
     /// A toy at rest, with the settings of wires, that breaks no rule.
     pub fn new() -> Self {
-        let settings = Settings::for_rig(&WIRES);
+        let mut settings = Settings::for_rig(&WIRES);
+        settings.operator.heartbeat = true;
         let controller = Controller::new(&settings, &BootInfo::STORED).expect("good settings");
         Self {
             status: controller.status(),
+            settings,
             aim_hz: 2.0,
             protocol: PROTOCOL_VERSION,
             trips_above_hz: f32::INFINITY,
@@ -204,9 +207,10 @@ impl Device for Toy {
         Ok(())
     }
     fn settings(&mut self) -> Settings {
-        Settings::for_rig(&WIRES).with_heartbeat()
+        self.settings
     }
-    fn replace_settings(&mut self, _settings: &Settings) -> Result<(), Refused> {
+    fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
+        self.settings = *settings;
         Ok(())
     }
     fn store_settings(&mut self) -> Result<(), Refusal> {

@@ -58,7 +58,9 @@ fn status_settings_and_forecast_of_the_real_controller() {
             .contains("natural_frequency_hz = 5.25")
     );
     let expected = board.client().ask(ToBoard::GetSettings).expect("an answer");
-    let beams = Settings::for_rig(&BEAM_150).with_heartbeat();
+    let mut beams = Settings::for_rig(&BEAM_150).for_real();
+    // An emulated board has no button.
+    beams.operator.acknowledge = false;
     assert_eq!(expected, shared::link::LinkAnswer::Settings(beams));
 }
 
@@ -431,6 +433,8 @@ fn what_goes_wrong_is_told_in_one_line() {
         &board.line("set --rig wires"),
         &["could not be stored"],
     );
+    let used = folder.run(&board.line("get")).well().out;
+    assert!(used.contains("\nacknowledge = true "), "{used}");
     refused(&folder, &board.line("forecast"), &["no forecast yet"]);
     refused(
         &folder,

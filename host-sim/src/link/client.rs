@@ -426,7 +426,7 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: the emergency stop must be acknowledged at the board: close the chain, press the button, then clear"
         }
         Refusal::Controller(Refused::ChainNotTried) => {
-            "refused: operator.acknowledge is set, so each start wants the emergency stop tried: press it, release it, press the board's button, then clear"
+            "refused: operator.acknowledge is set, so each start wants the emergency stop tried: press it, release it, press the board's button, then `clear-fault`"
         }
         Refusal::NotAvailable => "refused: this board cannot do that",
         Refusal::NoSession => {

@@ -46,7 +46,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: board::Peripherals) -> Tas
         Some(Loaded::Corrupt) | None => (None, SettingsState::Damaged),
     };
     let usual = Settings::for_rig(&WIRES);
-    let settings = stored.unwrap_or(if bench { usual } else { usual.with_heartbeat() });
+    let settings = stored.unwrap_or(if bench { usual } else { usual.for_real() });
     let boot = BootInfo {
         reset: flags.cause(left.driving),
         record: left.record,

@@ -244,7 +244,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
             Ok(())
         }),
         What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
-        What::Set(set) => in_session(port, set.session, |port| send_settings(port, &set.new)),
+        What::Set(set) => in_session(port, set.session, |port| {
+            send_settings(port, &hello, &set.new)
+        }),
         What::SetBrownOut(set) => in_session(port, set.session, |port| {
             port.steer(LinkAct::SetBrownOut)?;
             print(
@@ -328,11 +330,15 @@ fn settings(port: &mut Port) -> Result<Settings, UserError> {
     }
 }
 
-fn send_settings(port: &mut Port, set: &NewSettings) -> Result<(), UserError> {
+fn send_settings(port: &mut Port, hello: &Hello, set: &NewSettings) -> Result<(), UserError> {
     let mut new = match &set.rig {
-        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params).with_heartbeat(),
+        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params).for_real(),
         None => settings(port)?,
     };
+    if set.rig.is_some() && hello.board == "emulator" {
+        // It has no button that a person could press.
+        new.operator.acknowledge = false;
+    }
     if let Some(path) = &set.file {
         let text = read_text(path)?;
         new = settings_file::overlay(&new, &text).map_err(|e| e.at(path.display()))?;

@@ -3,6 +3,7 @@
 use shared::control::SettingsState;
 use shared::fault::Fault;
 use shared::link::{LinkAct, LinkAnswer, ToBoard};
+use shared::settings::OperatorSettings;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -30,8 +31,12 @@ fn start(
         return Err("no settings".into());
     };
     let stored = matches!(state, SettingsState::Stored | SettingsState::OlderCopy);
-    must(stored || settings.operator.heartbeat, || {
-        format!("{state:?}, and no heartbeat is asked for")
+    let own = OperatorSettings {
+        heartbeat: true,
+        acknowledge: true,
+    };
+    must(stored || settings.operator == own, || {
+        format!("{state:?}, and {:?}", settings.operator)
     })?;
     Ok((state, fault))
 }
@@ -83,6 +88,7 @@ pub fn damaged(setup: &Setup) -> Found {
         })?;
         text.push(format!("{name}: {state:?}"));
     }
-    let text = text.join(", ") + "; without its own, the board asks for the heartbeat";
+    let text =
+        text.join(", ") + "; without its own, the board asks for the heartbeat and a tried chain";
     Ok((text, bench.now()))
 }
