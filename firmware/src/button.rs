@@ -1,7 +1,7 @@
 //! The one button: start, stop, acknowledge an emergency stop, clear a fault.
 //!
-//! Everything but a start is at once. A start wants the button held for two seconds: a leaning hand, a shorted wire or
-//! interference starts no machine.
+//! Everything but a start is at once. A start wants the button held for two seconds and let go: neither a short press nor a
+//! wire that is shorted for good starts a machine.
 
 use shared::control::{Command, Mode, State};
 
@@ -16,7 +16,7 @@ pub struct Button {
     pressed: bool,
     /// Steps at the other level.
     steps: u8,
-    /// Steps since a press that may yet become a start.
+    /// Steps since a press that may yet become a start, [`HELD`] at most.
     held: Option<u8>,
 }
 
@@ -29,12 +29,19 @@ impl Button {
         }
     }
 
-    /// Takes the level once in 10 ms, in this state, an emergency stop being `awaited` to be acknowledged or not. The
+    /// Takes the level once in 10 ms, in this state; `acknowledge`: what acknowledges an emergency stop, if that is awaited. The
     /// command, in the step in which it is sure.
-    pub fn step(&mut self, pressed: bool, state: State, awaited: bool) -> Option<Command> {
+    pub fn step(
+        &mut self,
+        pressed: bool,
+        state: State,
+        acknowledge: Option<Command>,
+    ) -> Option<Command> {
+        let held = self.held.filter(|_| state == State::Idle);
         if pressed == self.pressed {
             self.steps = 0;
-            return self.hold(state);
+            self.held = held.map(|steps| HELD.min(steps + 1));
+            return None;
         }
         self.steps += 1;
         if self.steps < STEADY {
@@ -42,34 +49,23 @@ impl Button {
         }
         *self = Self::new(pressed);
         if !pressed {
-            return None;
+            let start = Command::Start(Mode::Automatic);
+            return held.filter(|steps| *steps == HELD).map(|_| start);
         }
-        let command = meaning(state, awaited);
+        let command = meaning(state, acknowledge);
         if command.is_none() {
             self.held = Some(0);
         }
         command
     }
-
-    /// The level stays: a start once a press that began in Idle has lasted.
-    fn hold(&mut self, state: State) -> Option<Command> {
-        let held = self.held.filter(|_| state == State::Idle)?;
-        if held < HELD {
-            self.held = Some(held + 1);
-            return None;
-        }
-        self.held = None;
-        Some(Command::Start(Mode::Automatic))
-    }
 }
 
-/// What a press does at once: acknowledge an emergency stop that must be (`awaited`), clear a fault, stop whatever drives.
-/// In Idle nothing. So after such a stop a fault is cleared by the second press, or over the link.
-fn meaning(state: State, awaited: bool) -> Option<Command> {
+/// What a press does at once: acknowledge an emergency stop where that is awaited, clear a fault, stop whatever drives. In Idle
+/// nothing. So after such a stop a fault is cleared by the second press, or over the link.
+fn meaning(state: State, acknowledge: Option<Command>) -> Option<Command> {
     match state {
         State::Idle => None,
-        State::Fault if awaited => Some(Command::Acknowledge),
-        State::Fault => Some(Command::ClearFault),
+        State::Fault => Some(acknowledge.unwrap_or(Command::ClearFault)),
         _ => Some(Command::Stop),
     }
 }
@@ -81,7 +77,7 @@ mod tests {
 
     /// The commands while the level is `pressed` for so many steps.
     fn during(button: &mut Button, pressed: bool, steps: usize, state: State) -> Vec<Command> {
-        let each = (0..steps).filter_map(|_| button.step(pressed, state, false));
+        let each = (0..steps).filter_map(|_| button.step(pressed, state, None));
         each.collect()
     }
 
@@ -89,7 +85,7 @@ mod tests {
     fn a_bouncing_press_counts_once() {
         let mut button = Button::default();
         let levels = [1, 0, 1, 1, 0, 1, 1, 1, 1, 1, 0, 1, 0, 0, 0, 0, 0];
-        let press = |level: &i32| button.step(*level == 1, State::Hold, false);
+        let press = |level: &i32| button.step(*level == 1, State::Hold, None);
         assert_eq!(levels.iter().filter_map(press).count(), 1);
         assert_eq!(during(&mut button, true, 3, State::Hold), [Command::Stop]);
     }
@@ -105,9 +101,12 @@ mod tests {
             assert_eq!(during(&mut button, true, 150, State::Idle), []);
             assert_eq!(during(&mut button, false, 10, State::Idle), []);
         }
-        assert_eq!(during(&mut button, true, 210, State::Idle), start);
-        // Held on, it does nothing more.
+        assert_eq!(during(&mut button, true, 210, State::Idle), []);
+        assert_eq!(during(&mut button, false, 10, State::Idle), start);
+        // Shorted for good it starts nothing; nor does a press that another state interrupted.
         assert_eq!(during(&mut button, true, 1000, State::Idle), []);
+        assert_eq!(during(&mut button, true, 1, State::Fault), []);
+        assert_eq!(during(&mut button, false, 10, State::Idle), []);
     }
 
     #[test]
@@ -123,9 +122,10 @@ mod tests {
 
     #[test]
     fn an_emergency_stop_is_acknowledged_before_its_fault_is_cleared() {
-        assert_eq!(meaning(State::Fault, true), Some(Command::Acknowledge));
-        assert_eq!(meaning(State::Fault, false), Some(Command::ClearFault));
-        assert_eq!(meaning(State::Hold, true), Some(Command::Stop));
+        let awaited = Some(Command::Acknowledge { opened: true });
+        assert_eq!(meaning(State::Fault, awaited), awaited);
+        assert_eq!(meaning(State::Fault, None), Some(Command::ClearFault));
+        assert_eq!(meaning(State::Hold, awaited), Some(Command::Stop));
     }
 
     #[test]
@@ -133,6 +133,7 @@ mod tests {
         let mut button = Button::new(true);
         assert_eq!(during(&mut button, true, 500, State::Idle), []);
         assert_eq!(during(&mut button, false, 10, State::Idle), []);
-        assert_eq!(during(&mut button, true, 300, State::Idle).len(), 1);
+        assert_eq!(during(&mut button, true, 300, State::Idle), []);
+        assert_eq!(during(&mut button, false, 10, State::Idle).len(), 1);
     }
 }

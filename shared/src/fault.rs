@@ -114,10 +114,9 @@ impl Fault {
 }
 
 impl Fault {
-    /// Whether the drive stays off until the fault is cleared by hand. A link timeout ends with the next packet,
-    /// and after a brown-out the controller waits in Idle anyway.
+    /// Whether the drive stays off until the fault is cleared by hand. A link timeout ends with the next packet.
     pub const fn latches(self) -> bool {
-        !matches!(self, Self::LinkTimeout | Self::BrownOut)
+        !matches!(self, Self::LinkTimeout)
     }
 }
 

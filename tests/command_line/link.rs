@@ -148,12 +148,13 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
     let emulator = Emulator::start(&folder, "field");
     let ask = |rest: &str| folder.run(&format!("link {} {rest}", emulator.1));
     ask("set --rig wires").well();
-    // One that is interrupted leaves nothing, and the board ready for the next.
+    // One that is interrupted stops the drive and keeps what was recorded.
     let before = folder.names();
+    let line = format!("link {} record cut.parquet --for 60 --start", emulator.1);
     let recording = folder
-        .command(&["link", &emulator.1, "record", "cut.parquet", "--for", "60"])
+        .command(&line.split_whitespace().collect::<Vec<_>>())
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
     let began = Instant::now();
@@ -164,9 +165,20 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
         );
         thread::sleep(Duration::from_millis(20));
     }
+    thread::sleep(Duration::from_secs(2));
     interrupt(&recording);
-    assert_eq!(wait(recording).code(), Some(130));
-    assert_eq!(folder.names(), before);
+    let ran = recording.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(130), "{said}");
+    assert!(
+        said.contains("wrote cut.parquet") && said.contains("of 1200000 ticks"),
+        "{said}"
+    );
+    let replayed = folder.run("replay cut.parquet --quiet").well();
+    assert!(replayed.out.contains("same decisions"), "{replayed:?}");
+    while ask("status --format json").json()["state"] != "idle" {
+        assert!(began.elapsed() < Duration::from_secs(120), "no stop");
+    }
     let line = format!("link {} record run.parquet --for 4 --start", emulator.1);
     record(&folder, &line);
     // It is stopped at the end of the recording, and was driving during it.
@@ -271,13 +283,19 @@ fn an_interrupted_sweep_writes_what_was_measured_and_stops_the_drive() {
 /// measured.
 #[test]
 fn a_sweep_ends_on_the_first_interrupt_whatever_the_board_does() {
+    ends_on_the_first_interrupt("--to 5 --step 0.01");
+    // All is measured, and the stop is waited for.
+    ends_on_the_first_interrupt("--to 4 --step 1");
+}
+
+fn ends_on_the_first_interrupt(range: &str) {
     let folder = Folder::new();
     let board = toy(Toy {
         never: Some(Never::Idle),
         ..Toy::new()
     });
-    let line =
-        board.line("sweep --from 4 --to 5 --step 0.01 --settle 0.2 --measure 0.2 --out part.csv");
+    let sweep = format!("sweep --from 4 {range} --settle 0.2 --measure 0.2 --out part.csv");
+    let line = board.line(&sweep);
     let words: Vec<_> = line.split_whitespace().collect();
     let sweep = folder
         .command(&words)
@@ -290,8 +308,11 @@ fn a_sweep_ends_on_the_first_interrupt_whatever_the_board_does() {
         assert!(began.elapsed() < Duration::from_secs(60), "no point");
         thread::sleep(Duration::from_millis(20));
     }
+    thread::sleep(Duration::from_millis(500));
     interrupt(&sweep);
+    let began = Instant::now();
     let ran = sweep.wait_with_output().expect("it ends");
+    assert!(began.elapsed() < Duration::from_secs(20), "{ran:?}");
     let said = String::from_utf8_lossy(&ran.stderr);
     let last = said.lines().last().expect("a complaint");
     assert_eq!(ran.status.code(), Some(2), "{said}");
@@ -347,6 +368,16 @@ fn no_wait_is_for_ever_and_nothing_raw_reaches_the_terminal() {
     assert!(!folder.path("r.parquet").exists());
     for (line, words) in [
         ("link /dev/no-such-port monitor --rate 1e-19", "--rate is"),
+        ("link /dev/no-such-port monitor --for 300000", "--for is"),
+        (
+            "link /dev/no-such-port start --manual --for 1e300",
+            "--for is",
+        ),
+        (
+            "link /dev/no-such-port record x.parquet --for 1e300",
+            "--for is",
+        ),
+        ("link /dev/no-such-port set-brown-out", "say --yes"),
         ("emulate field --pty --speed 1e-300", "--speed is"),
         (
             "link /dev/no-such-port sweep --from 3 --to 4 --step 1 --settle 1e300 --out x.csv",

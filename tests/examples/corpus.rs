@@ -41,7 +41,7 @@ fn main() -> io::Result<()> {
         steer(4, LinkAct::Command(point)),
         steer(5, LinkAct::Command(Command::Alive)),
         steer(6, LinkAct::Command(Command::ConfirmSettings)),
-        steer(7, LinkAct::Command(Command::Acknowledge)),
+        steer(7, LinkAct::Command(Command::Acknowledge { opened: true })),
         open(1, true),
         steer(8, LinkAct::Release),
     ];

@@ -151,7 +151,7 @@ fn doing(
         ScenarioAct::Start { mode } => command(Command::Start(mode.into())),
         ScenarioAct::Stop {} => command(Command::Stop),
         ScenarioAct::ClearFault {} => command(Command::ClearFault),
-        ScenarioAct::Acknowledge {} => command(Command::Acknowledge),
+        ScenarioAct::Acknowledge {} => command(Command::Acknowledge { opened: true }),
         ScenarioAct::SetPoint {
             frequency_hz,
             amplitude_mm,

@@ -113,17 +113,23 @@ pub fn measure<P: Read + Write>(
         }
     };
     client.command(Command::Stop)?;
-    let patience = match ended {
-        MeasurementEnded::Whole => STOP,
-        MeasurementEnded::Interrupted => STOP_INTERRUPTED,
+    let mut idle = |patience, interrupted| {
+        let mut by_hand = ByHand {
+            client,
+            interrupted,
+        };
+        by_hand.wait(patience, "go idle after it was told to stop", |status| {
+            Ok(status.state == State::Idle)
+        })
     };
-    let stopping = ByHand {
-        client,
-        interrupted: &|| false,
-    }
-    .wait(patience, "go idle after it was told to stop", |status| {
-        Ok(status.state == State::Idle)
-    });
+    let stopping = match ended {
+        MeasurementEnded::Whole => idle(STOP, interrupted),
+        MeasurementEnded::Interrupted => Err(Halt::Interrupted),
+    };
+    let stopping = match stopping {
+        Err(Halt::Interrupted) => idle(STOP_INTERRUPTED, &|| false),
+        other => other,
+    };
     match stopping {
         Err(Halt::Failed(error)) => Err(error),
         _ => Ok(ended),
@@ -271,7 +277,7 @@ impl<P: Read + Write> ByHand<'_, P> {
 }
 
 /// How long to wait for what takes `time_s` of the controller's time.
-fn at_most(time_s: f64) -> Duration {
+pub fn at_most(time_s: f64) -> Duration {
     // The time is a board's word, and may be no number.
     let wanted_s = (SPARE_S + 3.0 * time_s).max(SPARE_S);
     Duration::from_secs_f64(wanted_s.min(LONGEST_S))

@@ -357,6 +357,7 @@ impl<P: Read + Write> Client<P> {
         let mut left = bytes;
         while !left.is_empty() {
             match self.port.write(left) {
+                Ok(0) => return Err(self.broken(&io::ErrorKind::WriteZero.into())),
                 Ok(count) => left = &left[count..],
                 Err(e) if is_patience(&e) && Instant::now() < until => {}
                 Err(e) => return Err(self.broken(&e)),

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use shared::control::{BootInfo, Command, State};
+use shared::control::{BootInfo, Command, State, Status};
 use shared::link::{FromBoard, Hello, LinkAct, LinkAnswer, ToBoard};
 
 use super::client::Client;
@@ -19,11 +19,15 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Time between two signs of life.
 const PACE: Duration = Duration::from_millis(200);
 
+/// How often a recording looks whether it was interrupted.
+const LOOK: Duration = Duration::from_millis(200);
+
 /// Records `ticks` ticks of a controller that is idle at first and is restarted with its own settings. The command
-/// `given` is sent once the recording runs; the client has opened its session. If there is one, the controller is stopped at the end.
+/// `given` is sent once the recording runs; the client has opened its session. If there is one, the controller is stopped at the
+/// end. Returns the log's path and its ticks: fewer than asked for once `interrupted` says so.
 ///
 /// # Errors
-/// If the link fails, the controller is not idle, or ticks are lost; no file is left then.
+/// If the link fails, the controller is not idle, or ticks are lost. What was recorded before is kept, and the error says where.
 pub fn record<P: Read + Write>(
     client: &mut Client<P>,
     hello: &Hello,
@@ -31,7 +35,8 @@ pub fn record<P: Read + Write>(
     made: &MadeFrom,
     ticks: u64,
     given: Option<Command>,
-) -> Result<PathBuf, UserError> {
+    interrupted: &dyn Fn() -> bool,
+) -> Result<(PathBuf, u64), UserError> {
     let settings = match client.ask(ToBoard::GetSettings)? {
         LinkAnswer::Settings(settings) => settings,
         other => return Err(client.odd(&other)),
@@ -65,22 +70,29 @@ pub fn record<P: Read + Write>(
     }
     // With a heartbeat, who has started must be heard.
     let heartbeat = given.is_some() && settings.operator.heartbeat;
-    let done = stream(client, &mut writer, ticks, heartbeat);
+    let done = stream(client, &mut writer, ticks, heartbeat, interrupted);
     // Whatever happened, the board is left in peace.
     let quiet = client.tell(ToBoard::StreamFrames { on: false });
     let stopped = match given {
         Some(_) => client.command(Command::Stop),
         None => Ok(()),
     };
-    done?;
-    quiet?;
     // In Fault it has stopped already, and refuses.
-    if let Err(why) = stopped
-        && client.status()?.state != State::Fault
-    {
-        return Err(why);
+    let in_fault = |status: Status| status.state == State::Fault;
+    let stopped = stopped.or_else(|why| match client.status().is_ok_and(in_fault) {
+        true => Ok(()),
+        false => Err(why),
+    });
+    let recorded = writer.ticks();
+    let whole = done.and(quiet).and(stopped);
+    if recorded == 0 {
+        whole?;
+        return Err(client.complaint("interrupted before the first tick; nothing was recorded"));
     }
-    writer.finish()
+    let path = writer.finish()?;
+    let kept = |why| UserError::new(format!("{why}; {recorded} ticks are in {}", path.display()));
+    whole.map_err(kept)?;
+    Ok((path, recorded))
 }
 
 fn stream<P: Read + Write>(
@@ -88,16 +100,17 @@ fn stream<P: Read + Write>(
     writer: &mut LogWriter,
     ticks: u64,
     heartbeat: bool,
+    interrupted: &dyn Fn() -> bool,
 ) -> Result<(), UserError> {
     let mut expected = None;
     let mut heard = Instant::now();
     let mut alive = Instant::now();
-    while writer.ticks() < ticks {
+    while writer.ticks() < ticks && !interrupted() {
         if heartbeat && alive.elapsed() > PACE {
             alive = Instant::now();
             client.command(Command::Alive)?;
         }
-        let Some(FromBoard::Recording(recording)) = client.streamed(PATIENCE)? else {
+        let Some(FromBoard::Recording(recording)) = client.streamed(LOOK)? else {
             if heard.elapsed() > PATIENCE {
                 return Err(client.complaint(
                     "the board streams nothing that a recording can begin or go on with; is it held in a debugger? Reset it and try again",
@@ -118,9 +131,8 @@ fn stream<P: Read + Write>(
         let next = expected.unwrap_or(exchange.tick);
         if exchange.tick != next {
             return Err(client.complaint(format!(
-                "{} ticks were lost after {} were recorded, so the recording cannot be replayed; use a faster port, or a computer with less to do",
-                exchange.tick.wrapping_sub(next),
-                writer.ticks()
+                "{} ticks were lost; use a faster port, or a computer with less to do",
+                exchange.tick.wrapping_sub(next)
             )));
         }
         expected = Some(next.wrapping_add(exchange.frames.len() as u32));

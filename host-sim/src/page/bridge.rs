@@ -145,6 +145,7 @@ impl Wire {
                 }
             }
             match self.port.write(&self.unsent) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(count) => {
                     self.unsent.drain(..count);
                 }

@@ -222,7 +222,9 @@ impl Controller {
                 self.alive();
                 Ok(())
             }
-            Command::Acknowledge => self.life.operator.acknowledge(self.life.tick),
+            Command::Acknowledge { opened } => {
+                self.life.operator.acknowledge(self.life.tick, opened)
+            }
             Command::ConfirmSettings => self.confirm_settings(),
         }
     }

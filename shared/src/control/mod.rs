@@ -113,7 +113,11 @@ pub enum Command {
     /// The link in command is alive.
     Alive,
     /// Somebody at the rig has seen the emergency stop: the board's button. Refused over the link.
-    Acknowledge,
+    Acknowledge {
+        /// The chain's own report has shown it open since the last start; not so where only the relay, the power stage or the
+        /// guard of the enable stopped the drive.
+        opened: bool,
+    },
     /// The older copy of the settings is that of this rig ([`SettingsState::OlderCopy`]).
     ConfirmSettings,
 }

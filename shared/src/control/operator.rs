@@ -33,7 +33,8 @@ impl Operator {
     }
 
     /// Acknowledges an emergency stop; refused if none awaits that, or the chain was open in the last [`CLOSED_TICKS`].
-    pub fn acknowledge(&mut self, tick: u32) -> Result<(), Refused> {
+    /// `opened`: as in [`super::Command::Acknowledge`].
+    pub fn acknowledge(&mut self, tick: u32, opened: bool) -> Result<(), Refused> {
         if !self.awaited {
             return Err(Refused::WrongState);
         }
@@ -41,7 +42,7 @@ impl Operator {
             return Err(Refused::StillFaulty);
         }
         self.awaited = false;
-        self.tried = true;
+        self.tried |= opened;
         Ok(())
     }
 
@@ -62,13 +63,16 @@ mod tests {
     #[test]
     fn the_chain_must_have_been_closed_for_20_ms() {
         let mut operator = Operator::default();
-        assert_eq!(operator.acknowledge(0), Err(Refused::WrongState));
+        assert_eq!(operator.acknowledge(0, true), Err(Refused::WrongState));
         // The count of ticks wraps meanwhile.
         let open_at = u32::MAX - 100;
         operator.emergency(open_at, true);
         let after = |ticks: u32| open_at.wrapping_add(ticks);
-        assert_eq!(operator.acknowledge(after(399)), Err(Refused::StillFaulty));
-        assert_eq!(operator.acknowledge(after(400)), Ok(()));
+        assert_eq!(
+            operator.acknowledge(after(399), true),
+            Err(Refused::StillFaulty)
+        );
+        assert_eq!(operator.acknowledge(after(400), true), Ok(()));
         assert!(!operator.is_awaited());
     }
 }

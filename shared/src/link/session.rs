@@ -343,7 +343,7 @@ fn patience(settings: &Settings) -> u32 {
 }
 
 fn give(command: Command, device: &mut impl Device) -> Result<(), Refusal> {
-    if command == Command::Acknowledge {
+    if matches!(command, Command::Acknowledge { .. }) {
         return Err(Refusal::AtTheBoard);
     }
     device.command(command)?;

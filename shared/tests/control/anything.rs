@@ -21,7 +21,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Stop),
         3 => Just(Command::ClearFault),
         1 => Just(Command::Alive),
-        1 => Just(Command::Acknowledge),
+        1 => any::<bool>().prop_map(|opened| Command::Acknowledge { opened }),
         1 => Just(Command::ConfirmSettings),
         3 => (any_f32.clone(), any_f32.prop_map(|x| x * 1e-3)).prop_map(
             |(frequency_hz, amplitude_m)| Command::SetPoint { frequency_hz, amplitude_m }

@@ -43,11 +43,12 @@ fn why_the_board_started_is_taken_account_of() {
         (State::Fault, Some(Fault::OverForce))
     );
     // What the start itself is joins the episode and weakens nothing.
-    for (cause, fault) in [
+    let boot_faults = [
         (ResetCause::Watchdog, Fault::WatchdogReset),
         (ResetCause::BrownOut, Fault::BrownOut),
         (ResetCause::WhileDriving, Fault::ResetWhileDriving),
-    ] {
+    ];
+    for (cause, fault) in boot_faults {
         assert_eq!(after(cause), (State::Fault, Some(Fault::OverForce)));
         let boot = kept(cause, Some(record));
         let mut controller = Controller::new(&settings, &boot).unwrap();
@@ -61,10 +62,9 @@ fn why_the_board_started_is_taken_account_of() {
     // Without an episode that latches, the start is all there is.
     let silent = FaultRecord::new(Fault::LinkTimeout, Default::default(), 7, 2.0, 3.6);
     for record in [None, Some(silent)] {
-        let brown_out = kept(ResetCause::BrownOut, record);
-        assert_eq!(born(brown_out), (State::Idle, Some(Fault::BrownOut)));
-        let watchdog = kept(ResetCause::Watchdog, record);
-        assert_eq!(born(watchdog), (State::Fault, Some(Fault::WatchdogReset)));
+        for (cause, fault) in boot_faults {
+            assert_eq!(born(kept(cause, record)), (State::Fault, Some(fault)));
+        }
     }
     let corrupt = BootInfo {
         settings: SettingsState::Damaged,

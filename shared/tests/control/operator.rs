@@ -360,15 +360,18 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
     // A button pressed while the chain is open, or bounces, acknowledges nothing.
     board.rig.chain_open = true;
     board.pass(1, |_| {});
-    let pressed = board.rig.command(Command::Acknowledge);
+    let pressed = board.rig.command(Command::Acknowledge { opened: true });
     assert_eq!(pressed, Err(Refused::StillFaulty));
     after_an_emergency_stop(&mut board, 18);
-    let pressed = board.rig.command(Command::Acknowledge);
+    let pressed = board.rig.command(Command::Acknowledge { opened: true });
     assert_eq!(pressed, Err(Refused::StillFaulty));
     assert_eq!(board.command(Command::ClearFault), not_yet);
     // The link cannot do it, nor change the rule: neither by settings nor by a confirmation.
     let at_the_board = LinkAnswer::Refused(Refusal::AtTheBoard);
-    assert_eq!(board.command(Command::Acknowledge), at_the_board);
+    assert_eq!(
+        board.command(Command::Acknowledge { opened: true }),
+        at_the_board
+    );
     let mut lax = *board.rig.bench.controller.settings();
     lax.operator.acknowledge = false;
     assert_eq!(board.steer(LinkAct::SetSettings(lax)), LinkAnswer::Done);
@@ -379,10 +382,13 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
         LinkAnswer::Board(state) if state.awaits_acknowledgement
     ));
     // Pressed after the chain has been closed for 20 ms, it does.
-    assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
+    assert_eq!(
+        board.rig.command(Command::Acknowledge { opened: true }),
+        Ok(())
+    );
     assert_eq!(board.rig.status().state, State::Fault);
     assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
-    let again = board.rig.command(Command::Acknowledge);
+    let again = board.rig.command(Command::Acknowledge { opened: true });
     assert_eq!(again, Err(Refused::WrongState));
 }
 
@@ -392,10 +398,19 @@ fn each_start_wants_the_chain_tried_where_an_acknowledgement_is_asked_for() {
     board.open();
     let start = Command::Start(Mode::Automatic);
     let not_tried = refused(Refused::ChainNotTried);
+    // A stop that the chain's report never showed tries nothing.
+    after_an_emergency_stop(&mut board, 30);
+    let opened = false;
+    let pressed = board.rig.command(Command::Acknowledge { opened });
+    assert_eq!(pressed, Ok(()));
+    assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
     for _ in 0..2 {
         assert_eq!(board.command(start), not_tried);
         after_an_emergency_stop(&mut board, 30);
-        assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
+        assert_eq!(
+            board.rig.command(Command::Acknowledge { opened: true }),
+            Ok(())
+        );
         assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
         assert_eq!(board.command(start), LinkAnswer::Done);
         assert_eq!(board.command(Command::Stop), LinkAnswer::Done);
@@ -418,7 +433,10 @@ fn a_reset_acknowledges_no_emergency_stop() {
     board.pass(30, |_| {});
     let not_yet = refused(Refused::NotAcknowledged);
     assert_eq!(board.command(Command::ClearFault), not_yet);
-    assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
+    assert_eq!(
+        board.rig.command(Command::Acknowledge { opened: true }),
+        Ok(())
+    );
     assert_eq!(board.command(Command::ClearFault), LinkAnswer::Done);
 }
 

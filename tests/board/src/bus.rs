@@ -281,6 +281,12 @@ impl Machine {
         for (channel, pin) in [(0, 4), (1, 5)] {
             if p.dac.code(channel).is_some() {
                 analogue('A', pin, "the DAC's output")?;
+                if !p.dac.is_buffered(channel) {
+                    // 15 kΩ, and the bias of docs/wiring.md loads PA4 with 12 kΩ.
+                    return Err(format!(
+                        "the DAC's buffer is off, and PA{pin} has a load (DS10693, 6.3.25)"
+                    ));
+                }
             }
         }
         for channel in p.adc.channels() {

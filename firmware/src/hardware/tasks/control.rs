@@ -90,8 +90,9 @@ impl Control {
         let against = self
             .interlock
             .contradicts(enabled, self.reports.read(), self.wired);
-        let tripped =
-            self.chain.is_open() || drive::is_taken_away() || (against && self.enable.is_some());
+        let open = self.chain.is_open();
+        drive::note_chain(open);
+        let tripped = open || drive::is_taken_away() || (against && self.enable.is_some());
         if self.sampler.reference_is_lost() && enabled {
             report::unfit(Unfit::REFERENCE);
         }

@@ -19,6 +19,23 @@ static DRIVING: AtomicBool = AtomicBool::new(false);
 /// Set where the enable was taken away without the controller, until the controller has switched off, too.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
 
+/// Whether the emergency-stop chain has reported that it was open since the drive was last on.
+static CHAIN_WAS_OPEN: AtomicBool = AtomicBool::new(false);
+
+/// Takes what the chain reports in a block.
+#[inline]
+pub fn note_chain(open: bool) {
+    if open || is_driving() {
+        CHAIN_WAS_OPEN.store(open, Ordering::Relaxed);
+    }
+}
+
+/// Whether the emergency-stop chain has reported that it was open since the drive was last on.
+#[inline]
+pub fn chain_was_open() -> bool {
+    CHAIN_WAS_OPEN.load(Ordering::Relaxed)
+}
+
 /// Pulls the enable low and keeps it there until the controller has switched the drive off.
 #[inline]
 pub fn take_away() {

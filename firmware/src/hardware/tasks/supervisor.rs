@@ -3,9 +3,12 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use rtic::Mutex;
-use shared::{control::Unfit, link::store};
+use shared::{
+    control::{Command, Unfit},
+    link::store,
+};
 
-use super::{blocks, control, forecasts, link, log, report};
+use super::{blocks, control, drive, forecasts, link, log, report};
 use crate::{
     button::Button,
     hardware::{board, stack},
@@ -58,12 +61,15 @@ impl Supervisor {
     /// To be called every 10 ms.
     #[inline]
     pub fn step(&mut self, shared: &mut impl Mutex<T = ControlRecorder>) {
-        let (status, awaited) = shared.lock(|recorder| {
+        let (status, acknowledge) = shared.lock(|recorder| {
             let controller = recorder.controller();
-            (controller.status(), controller.awaits_acknowledgement())
+            let opened = drive::chain_was_open();
+            let awaited = controller.awaits_acknowledgement();
+            let acknowledge = awaited.then_some(Command::Acknowledge { opened });
+            (controller.status(), acknowledge)
         });
         let pressed = self.pin.is_pressed();
-        if let Some(command) = self.button.step(pressed, status.state, awaited)
+        if let Some(command) = self.button.step(pressed, status.state, acknowledge)
             && let Err(why) = shared.lock(|recorder| recorder.command(command))
         {
             log::refused(why);

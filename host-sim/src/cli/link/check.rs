@@ -27,31 +27,33 @@ pub fn check(what: &What) -> Result<(), UserError> {
         )))
     };
     let given = |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v));
+    let day = |option: &str, seconds: f64| between(option, seconds, 1e-3, 86_400.0);
+    let for_so_long = |value: Option<f64>| value.map_or(Ok(()), |v| day("--for", v));
     match what {
         What::Start(start) => {
             given("--frequency", start.frequency)?;
             given("--amplitude", start.amplitude)?;
-            given("--for", start.duration_s)
+            for_so_long(start.duration_s)
         }
         What::SetBrownOut(set) if !set.yes => Err(UserError::new(
             "this writes the processor's option bytes, and a power cut in that second can lock the processor; leave the board on its plug and say --yes",
         )),
         What::Record(record) => {
-            positive("--for", record.duration_s)?;
+            day("--for", record.duration_s)?;
             unless_there([record.out.as_path()])
         }
         What::Sweep(plan) => {
             positive("--from-hz", plan.from_hz)?;
             positive("--step-hz", plan.step_hz)?;
-            between("--settle", plan.settle, 1e-3, 86_400.0)?;
-            between("--measure", plan.measure, 1e-3, 86_400.0)?;
+            day("--settle", plan.settle)?;
+            day("--measure", plan.measure)?;
             given("--amplitude", plan.amplitude)?;
             frequencies(plan)?;
             unless_there([&plan.csv, &plan.csv.with_extension("json")])
         }
         What::Monitor { duration_s, rate } => {
             between("--rate", *rate, 1e-3, f64::from(TICK_RATE_HZ))?;
-            given("--for", *duration_s)
+            for_so_long(*duration_s)
         }
         _ => Ok(()),
     }

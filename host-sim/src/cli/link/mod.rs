@@ -16,6 +16,7 @@ use shared::link::{Hello, LinkAct, LinkAnswer, RATES, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::Format;
+use super::interrupt;
 use super::terminal::{print, say};
 use crate::link::by_hand;
 use crate::link::client::{self, Client};
@@ -255,9 +256,11 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
             Ok(())
         }),
         What::Forecast { format } => show::forecast(port, &hello, *format, &args.made_from),
-        What::Record(recording) => in_session(port, recording.session, |port| {
-            record(port, &hello, recording, &args.made_from)
-        }),
+        What::Record(recording) => {
+            return in_session(port, recording.session, |port| {
+                record(port, &hello, recording, &args.made_from)
+            });
+        }
         What::Sweep(plan) => {
             return in_session(port, plan.session, |port| {
                 sweep(port, &hello, plan, &args.made_from)
@@ -302,6 +305,7 @@ fn start_automatic(port: &mut Port) -> Result<(), UserError> {
         "operator.heartbeat is set: when this program ends, the board's link timeout trips; `stop` in another window ramps down",
     );
     let mut clock = Clock::new();
+    let until = Instant::now() + by_hand::START;
     loop {
         std::thread::sleep(PACE);
         port.command(control::Command::Alive)?;
@@ -311,6 +315,9 @@ fn start_automatic(port: &mut Port) -> Result<(), UserError> {
         match status.state {
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),
             State::Idle => return Ok(()),
+            State::SelfTest | State::Prove if Instant::now() > until => {
+                return Err(never_starts(port, "ramps up"));
+            }
             _ => {}
         }
     }
@@ -353,14 +360,29 @@ fn record(
     hello: &Hello,
     recording: &Recording,
     made: &MadeFrom,
-) -> Result<(), UserError> {
+) -> Result<i32, UserError> {
     let command = recording
         .start
         .then_some(control::Command::Start(Mode::Automatic));
     let ticks = (recording.duration_s * f64::from(TICK_RATE_HZ)) as u64;
-    let written = recording::record(port, hello, &recording.out, made, ticks, command)?;
+    interrupt::finish_first();
+    let stop = &interrupt::interrupted;
+    let (written, recorded) =
+        recording::record(port, hello, &recording.out, made, ticks, command, stop)?;
     say(&format!("wrote {}", written.display()));
-    Ok(())
+    if recorded >= ticks {
+        return Ok(0);
+    }
+    say(&format!("interrupted after {recorded} of {ticks} ticks"));
+    Ok(interrupt::CODE)
+}
+
+/// The complaint that the controller does not do `what` in time.
+fn never_starts(port: &Port, what: &str) -> UserError {
+    port.complaint(format!(
+        "the controller never {what}, after {} s; reset the board",
+        by_hand::START.as_secs()
+    ))
 }
 
 /// Steers by hand until the time is over.
@@ -373,6 +395,7 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
     let mut set = start.frequency.is_none() && start.amplitude.is_none();
     let mut begun = None;
     let until = Instant::now() + by_hand::START;
+    let end = start.duration_s.map(|s| until + by_hand::at_most(s));
     let mut clock = Clock::new();
     loop {
         port.command(control::Command::Alive)?;
@@ -397,16 +420,16 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
                 }
             }
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),
-            State::Idle | State::Stop if begun.is_some() => {
+            _ if begun.is_some() => {
                 return Err(port.complaint("somebody else has stopped the drive"));
             }
-            _ if begun.is_none() && Instant::now() > until => {
-                return Err(port.complaint(format!(
-                    "the controller does not reach manual mode within {} s; reset the board",
-                    by_hand::START.as_secs()
-                )));
+            _ if Instant::now() > until => {
+                return Err(never_starts(port, "reaches manual mode"));
             }
             _ => {}
+        }
+        if end.is_some_and(|end| Instant::now() > end) {
+            return Err(port.complaint("the controller's time does not pass; reset the board"));
         }
         std::thread::sleep(PACE);
     }

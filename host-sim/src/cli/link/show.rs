@@ -11,6 +11,7 @@ use shared::settings::TICK_RATE_HZ;
 use super::Port;
 use crate::cli::arguments::output::{Format, emit, to_json};
 use crate::cli::terminal::{print, print_if_read};
+use crate::link::by_hand;
 use crate::link::clock::Clock;
 use emulator::names::state_name;
 use files::UserError;
@@ -159,7 +160,11 @@ pub fn monitor(port: &mut Port, duration_s: Option<f64>, rate: f64) -> Result<()
     let mut heard = Instant::now();
     let silence = Duration::from_secs_f64(3.0 + 3.0 / rate);
     let mut clock = Clock::new();
+    let end = duration_s.map(|s| Instant::now() + by_hand::at_most(s));
     loop {
+        if end.is_some_and(|end| Instant::now() > end) {
+            return Err(port.complaint("the controller's time does not pass; reset the board"));
+        }
         if let Some(FromBoard::Telemetry(telemetry)) = port.streamed(LOOK)? {
             heard = Instant::now();
             let status = telemetry.status;

@@ -90,7 +90,7 @@ fn commands() -> [Command; 8] {
         ClearFault,
         point,
         Alive,
-        Acknowledge,
+        Acknowledge { opened: true },
         confirm,
     ]
 }
@@ -202,7 +202,10 @@ fn what_is_done_at_the_board_is_refused_over_the_link_and_a_confirmation_is_stor
     let mut pair = Pair::new();
     let mut program = pair.open(false).unwrap();
     let at_the_board = LinkAnswer::Refused(Refusal::AtTheBoard);
-    assert_eq!(pair.command(&mut program, Acknowledge), at_the_board);
+    assert_eq!(
+        pair.command(&mut program, Acknowledge { opened: true }),
+        at_the_board
+    );
     assert!(pair.device.told.is_empty());
     let confirm = Command::ConfirmSettings;
     assert_eq!(pair.command(&mut program, confirm), LinkAnswer::Done);
@@ -303,7 +306,7 @@ proptest! {
                     if rules.holder == Some(program) {
                         rules.silent = 0;
                         match act {
-                            LinkAct::Command(Acknowledge) | LinkAct::SetSettings(_) | LinkAct::SetBrownOut => {}
+                            LinkAct::Command(Acknowledge { .. }) | LinkAct::SetSettings(_) | LinkAct::SetBrownOut => {}
                             LinkAct::Command(command) => expected.push(command),
                             LinkAct::Release => rules.holder = None,
                         }

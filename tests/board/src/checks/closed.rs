@@ -31,13 +31,14 @@ pub fn field(setup: &Setup) -> Found {
     let began = (bench.now(), bench.rig.borrow().machine.instructions);
     let control = FIRST + interrupt::DMA2[0];
     let blocks = bench.entered(control);
-    let log = record(
+    let (log, _) = record(
         &mut bench.client,
         &hello,
         &folder.path().join("board"),
         &MadeFrom::this_program(),
         ticks,
         start,
+        &|| false,
     )?;
     let mut status = bench.client.status()?;
     for _ in 0..REQUESTS {

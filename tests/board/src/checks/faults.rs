@@ -1,6 +1,6 @@
 //! Faults by their electrical cause, with the drive on: how long PA8 goes on, and what the board says after it.
 
-use shared::control::State;
+use shared::control::{Command, Mode, State};
 use shared::fault::Fault;
 
 use super::session::Bench;
@@ -8,6 +8,7 @@ use super::{Found, Setup, must};
 use crate::machine::{Change, Machine};
 use crate::parts::rcc::External;
 use crate::profile::CONTROL;
+use crate::rig::wired;
 
 /// docs/controller.md, "How soon the drive is off": PA8 low for good at the latest so many µs after the cause, at the pin.
 pub const CHAIN_US: f64 = 20.0;
@@ -309,5 +310,37 @@ pub fn halted(setup: &Setup) -> Found {
     Ok((
         format!("the watchdog resets after {seconds:.2} s, then in Fault: {fault}"),
         bench.now(),
+    ))
+}
+
+/// With the heartbeat asked for, the program on the link falls silent while the drive is on in automatic mode.
+pub fn silent_link(setup: &Setup) -> Found {
+    let mut bench = Bench::power_up(setup, wired())?;
+    bench.scenario.settings.operator.heartbeat = true;
+    let silence_s = bench.scenario.settings.trips.link_timeout_s;
+    let (mut bench, _) = bench.prepared(None)?;
+    bench.client.command(Command::Start(Mode::Automatic))?;
+    // Signs of life, for longer than the timeout.
+    for _ in 0..20 {
+        bench.advance_ms(500)?;
+        bench.client.command(Command::Alive)?;
+    }
+    let driven = bench.rig.borrow_mut().is_driven();
+    must(driven, || "the drive is not on with a heartbeat".into())?;
+    let from = bench.now();
+    bench.advance_ms((1e3 * silence_s) as u64 + 300)?;
+    let gone_s = 1e-6 * bench.enable_gone_us(from)?;
+    let limit_s = f64::from(silence_s) + 0.01;
+    must(gone_s > 0.5 && gone_s <= limit_s, || {
+        format!("PA8 was last high {gone_s:.3} s after the last sign of life")
+    })?;
+    let status = bench.must_be(State::Fault)?;
+    let fault = status.fault.map(|record| record.fault);
+    must(fault == Some(Fault::LinkTimeout), || {
+        format!("then {fault:?}")
+    })?;
+    Ok((
+        format!("PA8 low for good {gone_s:.2} s after the last sign of life: LinkTimeout"),
+        bench.now() - from,
     ))
 }

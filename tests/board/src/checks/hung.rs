@@ -10,6 +10,7 @@ use crate::machine::Machine;
 use crate::memory::FLASH;
 use crate::parts::{UNITS_PER_S, interrupt, rcc::cause};
 use crate::profile::CONTROL;
+use crate::rig::wired;
 
 /// `b .`, and where nothing else is in flash.
 const HANG: u16 = 0xe7fe;
@@ -85,6 +86,38 @@ fn hung_with(setup: &Setup, lsi_hz: u64) -> Result<(f64, u64), Box<dyn std::erro
     })?;
     let seconds = watchdog_acts(&mut bench, from)?;
     Ok((seconds, bench.now() - from))
+}
+
+/// When the program hangs in its start, ms after power comes on: as soon as memory is set up, and behind the clock.
+const IN_THE_START_MS: [u64; 2] = [13, 25];
+
+/// The watchdog runs from the first moment on.
+pub fn hung_in_the_start(setup: &Setup) -> Found {
+    let mut text = Vec::new();
+    let mut units = 0;
+    for ms in IN_THE_START_MS {
+        let mut bench = Bench::power_up(setup, wired())?;
+        bench.advance_ms(ms)?;
+        let from = bench.now();
+        {
+            let machine = &mut bench.rig.borrow_mut().machine;
+            machine.parts.watchdog.lsi_hz = 17_000;
+            machine.hang();
+            machine.cpu.primask = true;
+        }
+        let (at, flags) = bench
+            .until_reset(from, WATCHDOG_S)
+            .map_err(|error| format!("after {ms} ms: {error}"))?;
+        must(flags & cause::WATCHDOG != 0, || {
+            format!("after {ms} ms: a reset with flags {flags:#010x}")
+        })?;
+        let seconds = at as f64 / UNITS_PER_S as f64;
+        text.push(format!(
+            "after {ms} ms: reset {seconds:.2} s after power-up"
+        ));
+        units += bench.now();
+    }
+    Ok((text.join(", ") + ", with an LSI of 17 kHz", units))
 }
 
 /// What holds the control task off does not hold off the block monitor.

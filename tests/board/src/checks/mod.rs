@@ -86,20 +86,23 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 52] = [
+const ALL: [Check; 56] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
     ("boot with another clock", boots::another_clock),
     ("boot with a clock that stops", boots::clock_stops),
     ("boot with the button held", boots::button_held),
+    ("the button starts", boots::button_starts),
     ("boot with the brown-out reset off", boots::brown_out_off),
     ("the brown-out reset is set", boots::brown_out_set),
     ("boot with damaged settings", slots::damaged),
     ("boot after a brown-out", boots::after_brown_out),
     ("closed loop", closed::field),
     ("recording over a disturbed wire", wire::disturbed),
+    ("a computer at the slower rate", wire::slower),
     ("the emergency chain opens", faults::chain),
+    ("the link falls silent", faults::silent_link),
     ("a sensor at a rail", sensors::rails),
     ("a sensor's wire open", sensors::open_wires),
     ("the samples stop", faults::samples_stop),
@@ -119,6 +122,7 @@ const ALL: [Check; 52] = [
     ("a record over a reset", records::record_over_reset),
     ("the processor is halted", faults::halted),
     ("the program hangs", hung::hung),
+    ("the program hangs in its start", hung::hung_in_the_start),
     ("the control task is starved", hung::control_starved),
     ("the link's task is starved", hung::link_starved),
     ("the supervisor is starved", hung::supervisor_starved),

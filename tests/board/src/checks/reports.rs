@@ -54,12 +54,28 @@ pub fn contradict(setup: &Setup) -> Found {
 }
 
 /// With `operator.acknowledge`, a chain whose report was not tried since the last start starts nothing: a report that is stuck
-/// closed would never be seen.
+/// closed would never be seen. A relay that contradicts is the same fault, and no trial of the chain.
 pub fn chain_tried(setup: &Setup) -> Found {
-    let mut bench = Bench::power_up(setup, wired())?;
+    let mut around = wired();
+    around.pins[port::A][9] = Outside::Low;
+    let mut bench = Bench::power_up(setup, around)?;
     bench.scenario.settings.operator.acknowledge = true;
+    bench.scenario.settings.interlock.relay = true;
     let (mut bench, _) = bench.prepared(None)?;
     let start = Command::Start(Mode::Automatic);
+    let pin = |bench: &mut Bench, (port, pin): (usize, usize), level: Outside, ms: u64| {
+        bench.rig.borrow_mut().machine.set_pin(port, pin, level);
+        bench.advance_ms(ms)
+    };
+    let press = |bench: &mut Bench| {
+        pin(bench, (port::C, 13), Outside::Low, 60)?;
+        pin(bench, (port::C, 13), Outside::High, 60)
+    };
+    pin(&mut bench, (port::A, 9), Outside::Open, 300)?;
+    bench.must_be(State::Fault)?;
+    pin(&mut bench, (port::A, 9), Outside::Low, 100)?;
+    press(&mut bench)?;
+    bench.client.command(Command::ClearFault)?;
     for _ in 0..2 {
         must(bench.client.command(start).is_err(), || {
             "a start without a trial of the chain is taken".into()
@@ -69,10 +85,7 @@ pub fn chain_tried(setup: &Setup) -> Found {
         bench.must_be(State::Fault)?;
         bench.rig.borrow_mut().close_chain();
         bench.advance_ms(100)?;
-        for level in [Outside::Low, Outside::High] {
-            bench.rig.borrow_mut().machine.set_pin(port::C, 13, level);
-            bench.advance_ms(60)?;
-        }
+        press(&mut bench)?;
         bench.client.command(Command::ClearFault)?;
         bench.client.command(start)?;
         bench.client.command(Command::Stop)?;
@@ -80,7 +93,8 @@ pub fn chain_tried(setup: &Setup) -> Found {
         bench.must_be(State::Idle)?;
     }
     Ok((
-        "a start is refused until the chain was opened, closed and acknowledged; after it, again"
+        "a start is refused until the chain was opened, closed and acknowledged; after it, again; a relay that contradicts and is \
+         acknowledged does not count"
             .into(),
         bench.now(),
     ))

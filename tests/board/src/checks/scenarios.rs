@@ -53,13 +53,14 @@ fn one(setup: &Setup, name: &str) -> Found {
     let (mut bench, hello) = bench.prepared(None)?;
     let folder = tempfile::tempdir()?;
     let ticks = (RECORDED_S * f64::from(hello.tick_rate_hz)) as u64;
-    let log = record(
+    let (log, _) = record(
         &mut bench.client,
         &hello,
         &folder.path().join("board"),
         &MadeFrom::this_program(),
         ticks,
         Some(Command::Start(Mode::Automatic)),
+        &|| false,
     )?;
     let status = bench.client.status()?;
     let fault = status.fault.map(|record| record.fault);

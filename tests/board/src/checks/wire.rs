@@ -8,10 +8,11 @@ use host_sim::link::recording::record;
 use host_sim::progress::ProgressLine;
 use host_sim::replay::replay;
 use shared::control::{Command, Mode, State};
+use shared::link::RATES;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
-use crate::rig::Disturbance;
+use crate::rig::{Disturbance, wired};
 
 /// Rig time of each recording, ticks: 2 s.
 const TICKS: u64 = 40_000;
@@ -34,6 +35,7 @@ pub fn disturbed(setup: &Setup) -> Found {
         &made,
         TICKS,
         start(),
+        &|| false,
     );
     bench.rig.borrow_mut().disturbed = None;
     let why = match broken {
@@ -43,6 +45,12 @@ pub fn disturbed(setup: &Setup) -> Found {
     must(why.contains("ticks were lost"), || {
         format!("the recording ends with: {why}")
     })?;
+    // What came before is a whole log.
+    let broken = LogReader::open(folder.path().join("broken"));
+    let before = replay(&mut broken?, &ProgressLine::new("", 1, true))?;
+    must(before.difference.is_none() && before.ticks > 0, || {
+        format!("before the gap: {before:?}")
+    })?;
     while bench.client.streamed(Duration::ZERO)?.is_some() {}
     for _ in 0..60 {
         bench.advance_ms(100)?;
@@ -51,13 +59,14 @@ pub fn disturbed(setup: &Setup) -> Found {
         }
     }
     bench.must_be(State::Idle)?;
-    let log = record(
+    let (log, _) = record(
         &mut bench.client,
         &hello,
         &folder.path().join("after"),
         &made,
         TICKS,
         start(),
+        &|| false,
     )?;
     let replayed = replay(&mut LogReader::open(&log)?, &ProgressLine::new("", 1, true))?;
     must(
@@ -76,4 +85,16 @@ pub fn disturbed(setup: &Setup) -> Found {
         ),
         bench.now(),
     ))
+}
+
+/// A computer at the slower rate: the board finds it with the first message's three attempts, and is steered at it.
+pub fn slower(setup: &Setup) -> Found {
+    let mut around = wired();
+    around.baud = u64::from(RATES[1]);
+    let (mut bench, _) = Bench::power_up(setup, around)?.prepared(None)?;
+    bench.start_drive()?;
+    bench.client.command(Command::Stop)?;
+    bench.advance_ms(1_000)?;
+    bench.must_be(State::Idle)?;
+    Ok((format!("steered at {} Bd", RATES[1]), bench.now()))
 }

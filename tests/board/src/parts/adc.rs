@@ -20,6 +20,9 @@ const TEMPERATURE: usize = 18;
 const STABILISING: u64 = 3 * UNITS_PER_US;
 /// What the reference needs to start, and to be sampled.
 const REFERENCE_TIME: u64 = 10 * UNITS_PER_US;
+/// What an input needs to be sampled from another channel's voltage to half a code of 12 bits: ln 2^14 times 4 pF and 6.1 kΩ,
+/// the switch's largest and the conditioner's (DS10693, 6.3.20; docs/wiring.md), 0.24 µs, and half a cycle.
+const SETTLING: u64 = 24 * UNITS_PER_US / 100;
 /// A code that nobody should use.
 const GARBAGE: u16 = 0x0aa;
 
@@ -163,16 +166,20 @@ impl Adc {
         self.requests_over |= self.control[1] & DDS == 0;
     }
 
-    /// What a conversion of a channel that ended now gives: nothing to be used within 3 µs of ADON (13.3.6), nor of the
-    /// part's own reference without TSVREFE, within 10 µs of it, or sampled for less than 10 µs (DS10693, 6.3.24).
+    /// What a conversion of a channel that ended now gives: nothing to be used within 3 µs of ADON (13.3.6) or sampled too briefly,
+    /// nor of the part's own reference without TSVREFE, within 10 µs of it, or sampled for less than 10 µs (DS10693, 6.3.24).
     fn converted(&mut self, channel: usize, now: u64, clocks: &Clocks, code: u16) -> u16 {
         let began = now.saturating_sub(self.duration(channel, clocks));
         let internal = channel == REFERENCE || channel == TEMPERATURE;
-        let usable = began >= self.on_at + STABILISING
-            && (!internal
-                || self.common & TSVREFE != 0
-                    && began >= self.reference_at + REFERENCE_TIME
-                    && self.sampling_cycles(channel) * self.cycle(clocks) >= REFERENCE_TIME);
+        let sampled = self.sampling_cycles(channel) * self.cycle(clocks);
+        let settled = if internal {
+            self.common & TSVREFE != 0
+                && began >= self.reference_at + REFERENCE_TIME
+                && sampled >= REFERENCE_TIME
+        } else {
+            sampled >= SETTLING + self.cycle(clocks) / 2
+        };
+        let usable = began >= self.on_at + STABILISING && settled;
         if usable {
             return code >> (2 * (self.control[0] >> 24 & 3));
         }

@@ -19,6 +19,11 @@ impl Dac {
         (self.control >> (16 * channel) & 1 == 1).then_some(self.output[channel] as u16)
     }
 
+    /// Whether a channel's output has its buffer.
+    pub fn is_buffered(&self, channel: usize) -> bool {
+        self.control >> (16 * channel + 1) & 1 == 0
+    }
+
     /// The code that is about to be, or is, at channel 0's output; `None` while it is off.
     pub fn coming_code(&self) -> Option<u16> {
         let code = if self.clocked {

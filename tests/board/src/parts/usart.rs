@@ -18,6 +18,8 @@ pub struct Usart {
     /// Whether its clock is on: without it nothing is sent or received.
     pub clocked: bool,
     status: u32,
+    /// Errors that were read in the status, and not yet followed by the data.
+    seen: u32,
     rate: u32,
     control: [u32; 3],
     received: u32,
@@ -40,6 +42,7 @@ impl Usart {
         Self {
             clocked: false,
             status: TC | TXE,
+            seen: 0,
             rate: 0,
             control: [0; 3],
             received: 0,
@@ -141,12 +144,17 @@ impl Usart {
         self.status & self.control[0] & 0xe0 != 0
     }
 
-    /// Reads the register at `offset`; that of the data clears the receiver's flags.
+    /// Reads the register at `offset`; that of the data clears RXNE, and those of the receiver's errors that were read in the
+    /// status before (25.6.1): the DMA, which reads nothing but data, clears none.
     pub fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
-            0x00 => self.status,
+            0x00 => {
+                self.seen = self.status & (ORE | FE);
+                self.status
+            }
             0x04 => {
-                self.status &= !(RXNE | ORE | FE);
+                self.status &= !(RXNE | self.seen);
+                self.seen = 0;
                 self.received
             }
             0x08 => self.rate,
