@@ -182,8 +182,9 @@ impl Controller {
             self.trim.set_wanted_amplitude(wanted_m);
             self.trim.expect(force_n * self.force.factor(), target_hz);
         } else {
-            self.oscillator.jump(by_hand.0);
-            self.go_by_hand(by_hand);
+            let hz = self.within_limits(by_hand.0);
+            self.oscillator.jump(hz);
+            self.go_by_hand((hz, by_hand.1));
         }
         self.change(Phase::Ramp(search));
         self.command_amplitude();
@@ -264,17 +265,23 @@ impl Controller {
         if frequency_hz <= 0.0 || amplitude_m < 0.0 {
             return Err(Refused::NoMotion);
         }
-        let (low, high) = self.range_hz();
-        let clamped_hz = frequency_hz.max(low).min(high);
         if let Phase::Prove(proof) = &mut self.life.phase {
-            proof.by_hand = (clamped_hz, amplitude_m);
+            proof.by_hand = (frequency_hz, amplitude_m);
             return Ok(());
         }
-        self.limits.active = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
-        self.oscillator.aim(clamped_hz);
-        self.go_by_hand((clamped_hz, amplitude_m));
+        let hz = self.within_limits(frequency_hz);
+        self.oscillator.aim(hz);
+        self.go_by_hand((hz, amplitude_m));
         self.command_amplitude();
         Ok(())
+    }
+
+    /// The frequency nearest to `asked_hz` within the limits; the report says whether it is another.
+    fn within_limits(&mut self, asked_hz: f32) -> f32 {
+        let (low, high) = self.range_hz();
+        let hz = asked_hz.max(low).min(high);
+        self.limits.active = ActiveLimits::FREQUENCY.when(hz != asked_hz);
+        hz
     }
 
     /// Wants a set-point by hand, with no blow beyond a limit on the way there.

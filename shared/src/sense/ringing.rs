@@ -15,6 +15,7 @@ use nalgebra::{Complex, Matrix2, Vector2};
 
 use crate::model::contact::Law;
 use crate::model::params::RigParams;
+use crate::model::trig::sin_cos_f32;
 use crate::settings::{Settings, TICK_S, strong_speed_m_per_s};
 
 use super::pulse::PulseEdge;
@@ -465,7 +466,8 @@ fn least_squares(
 /// e^z, with the same bits on every processor, unlike that of `nalgebra`.
 #[inline(never)]
 fn exp(z: Complex<f32>) -> Complex<f32> {
-    Complex::new(libm::cosf(z.im), libm::sinf(z.im)) * libm::expf(z.re)
+    let (sin, cos) = sin_cos_f32(z.im);
+    Complex::new(cos, sin) * libm::expf(z.re)
 }
 
 #[cfg(test)]

@@ -98,6 +98,9 @@ impl Machine {
     /// Reads a word of a peripheral.
     pub(crate) fn read_part(&mut self, address: u32) -> Try<u32> {
         let (part, offset) = self.part_at(address)?;
+        if let Some(profile) = &mut self.profile {
+            profile.register(address);
+        }
         let now = self.now;
         let p = &mut self.parts;
         let read = match part {
@@ -146,6 +149,9 @@ impl Machine {
             return Ok(());
         }
         let (part, offset) = self.part_at(address)?;
+        if let Some(profile) = &mut self.profile {
+            profile.register(address);
+        }
         let value = self.around.patch.changed(address, value);
         let w = Write {
             offset,

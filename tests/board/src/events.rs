@@ -55,6 +55,9 @@ impl Machine {
             let Some(stream) = self.parts.dma[controller].serves(request) else {
                 continue;
             };
+            if let Some(profile) = &mut self.profile {
+                profile.transfer();
+            }
             let transfer = self.parts.dma[controller].streams[stream].transfer();
             if transfer.out {
                 let value = match self.parts.dma[controller].streams[stream].take_ahead() {

@@ -312,18 +312,27 @@ impl Machine {
     /// Half of what was under way is done: bits that were to change are what they may be.
     pub(crate) fn break_off(&mut self, work: Option<crate::parts::flash::Work>) {
         use crate::parts::flash::{SECTORS, Work};
+        // What is left of it has no rule: one pattern after the other.
+        let pattern = self.cuts.as_ref().map_or(0, Vec::len) % 3;
+        let left = [0x55, 0xaa, 0x33][pattern];
         match work {
             Some(Work::Program(at, bytes)) => {
                 for (i, byte) in bytes.iter().enumerate() {
-                    // Every other bit that was to be cleared is.
-                    self.flash[at as usize + i] &= byte | 0x55;
+                    // Half of the bits that were to be cleared are.
+                    self.flash[at as usize + i] &= byte | left;
                 }
                 self.forget(at as usize..at as usize + bytes.len());
             }
             Some(Work::Erase(sector)) => {
                 let range = SECTORS[sector] as usize..SECTORS[sector + 1] as usize;
                 let middle = range.start.midpoint(range.end);
-                self.flash[range.start..middle].fill(0xff);
+                match pattern {
+                    0 => self.flash[range.start..middle].fill(0xff),
+                    1 => self.flash[middle..range.end].fill(0xff),
+                    _ => self.flash[range.clone()]
+                        .iter_mut()
+                        .for_each(|byte| *byte |= left),
+                }
                 self.forget(range);
             }
             // They are what they were: what silicon has then is not said.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | table | nothing: all hits, no wait states |
 //! | accelerator | a model of it (RM0390, 3.5.2): 64 lines of instructions, 8 of data, the next line read ahead |
-//! | all misses | 5 wait states for each new line of 16 bytes, and for each load |
+//! | all misses | 5 wait states for each new line of 16 bytes, and for each load; the buses' waits besides |
 //!
 //! The time of the run goes on by the table, whatever the others say.
 
@@ -133,6 +133,20 @@ impl Profile {
             self.extra[0] += WAIT_STATES;
             self.data.put(line);
         }
+    }
+
+    /// A register is accessed: on APB1 and APB2 three cycles of the bus, one of them until its next edge; on AHB1 two.
+    pub(crate) fn register(&mut self, address: u32) {
+        self.extra[1] += match address {
+            0..0x4001_0000 => 3 * 4,
+            0x4001_0000..0x4002_0000 => 3 * 2,
+            _ => 2,
+        };
+    }
+
+    /// The DMA makes a transfer, and keeps the processor from the bus for an access at either end.
+    pub(crate) fn transfer(&mut self) {
+        self.extra[1] += 2;
     }
 
     /// How it stands when `cycles` have passed.

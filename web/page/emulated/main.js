@@ -71,14 +71,14 @@ class EmulatedRig {
         this.truth, this.lines),
     );
     this.view = new View(container, { name: "emulated" });
-    this.choice.onchange = () => this.describe();
+    this.choice.onchange = this.events.onchange = () => this.describe();
   }
 
   async begin() {
     const code = document.getElementById("emulated-worker").textContent;
     this.worker = new Worker(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
     this.worker.onmessage = ({ data }) => this.heard(data);
-    this.worker.onerror = (event) => { this.wrong.textContent = event.message || "the worker failed; reload the page"; };
+    this.worker.onerror = (event) => this.failed(event.message || "the worker failed; reload the page");
     this.worker.postMessage({ module: await compileModule() });
   }
 
@@ -92,6 +92,7 @@ class EmulatedRig {
     if (data.error) {
       this.wrong.textContent = data.error;
       this.run.disabled = false;
+      if (data.fatal) this.failed(data.error);
     }
     if (data.started) this.connect();
     if (data.scenarios) {
@@ -102,16 +103,27 @@ class EmulatedRig {
     }
   }
 
+  // The rig has ended: nothing that is shown is true any more.
+  failed(why) {
+    this.wrong.textContent = why;
+    this.run.disabled = false;
+    this.running = null;
+    this.board?.close();
+    this.view.show(null);
+    this.truth.textContent = "";
+  }
+
   describe() {
     const chosen = this.scenarios.find(({ name }) => name === this.choice.value)?.description ?? "";
-    const waits = this.running && this.running !== this.choice.value;
-    this.about.textContent = waits ? `Not begun yet (${this.running} runs on until Begin): ${chosen}` : chosen;
+    const { name, events } = this.running ?? { name: this.choice.value, events: this.events.checked };
+    const waits = name !== this.choice.value || events !== this.events.checked;
+    this.about.textContent = waits ? `Not begun yet (${name} ${events ? "with" : "without"} its events runs on until Begin): ${chosen}` : chosen;
   }
 
   // One begin at a time: a second press before the rig answers is the same begin.
   restart() {
     this.run.disabled = true;
-    this.running = this.choice.value;
+    this.running = { name: this.choice.value, events: this.events.checked };
     this.describe();
     this.wrong.textContent = "";
     this.lines.replaceChildren();

@@ -1,7 +1,7 @@
 // Live: a real board, through the page's server or by Web Serial.
 import { element } from "../common/dom.js";
 import { Board } from "./board.js";
-import { hasSerial, openSerial } from "./serial.js";
+import { RATES, hasSerial, openSerial } from "./serial.js";
 import { boardOfServer, openServer } from "./server.js";
 import { View } from "./view.js";
 
@@ -72,7 +72,14 @@ class Live {
   }
 
   async connectSerial() {
-    await this.begin(await openSerial(), "the serial port");
+    const port = await navigator.serial.requestPort();
+    const [usual, slower] = RATES;
+    try {
+      await this.begin(await openSerial(port, usual), "the serial port");
+    } catch (why) {
+      const transport = await openSerial(port, slower);
+      await this.begin(transport, `the serial port at ${slower} Bd`).catch(() => { throw why; });
+    }
     this.transport = null;
     this.alone();
   }

@@ -1,15 +1,14 @@
 // The way to a board by Web Serial: the browser asks which port, and the bytes go straight to it.
 
-// Bits per second of the board's port (shared::link::BAUD).
-const BAUD = 2250000;
+// Bits per second at which a board may be spoken to, the usual first (shared::link::RATES).
+export const RATES = [2250000, 921600];
 
 export function hasSerial() {
   return Boolean(navigator.serial);
 }
 
-export async function openSerial() {
-  const port = await navigator.serial.requestPort();
-  await port.open({ baudRate: BAUD, bufferSize: 1 << 16 });
+export async function openSerial(port, baudRate) {
+  await port.open({ baudRate, bufferSize: 1 << 16 });
   const writer = port.writable.getWriter();
   const reader = port.readable.getReader();
   let open = true;

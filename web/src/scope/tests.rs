@@ -40,11 +40,28 @@ fn block(tick: u32, hz: f64, mm: f64, at: f64) -> RecordedBlock {
 }
 
 fn fed(seconds: f64) -> Scope {
+    fed_from(0, seconds)
+}
+
+fn fed_from(first: u32, seconds: f64) -> Scope {
     let mut scope = Scope::new();
-    for tick in (0..(seconds * 20_000.0) as u32).step_by(10) {
+    for tick in (first..first + (seconds * 20_000.0) as u32).step_by(10) {
         scope.feed(&block(tick, 4.0, 0.8, 0.5));
     }
     scope
+}
+
+/// A page that comes late has the board's time, as its events have it.
+#[test]
+fn its_time_is_the_board_s() {
+    let scope = fed_from(1_000_000, 1.0);
+    let trace = scope.trace(0.5, 4);
+    assert!(
+        (trace[0] - 50.5).abs() < 1e-3 && (trace[1] - 51.0).abs() < 1e-3,
+        "{trace:?}"
+    );
+    let last = scope.blows().last().expect("a blow");
+    assert!((50.6..51.0).contains(&last.time_s), "{last:?}");
 }
 
 #[test]

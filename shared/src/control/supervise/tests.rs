@@ -42,6 +42,19 @@ fn set_points_are_taken_by_hand_only_and_held_within_the_limits() {
     assert_eq!(rig.controller.command(at(2.5, 3e-4)), wrong);
     rig.controller.command(Command::Stop).unwrap();
     rig.pass(2.0);
+    // Out of range in the proof already: as told as later.
+    rig.starts(Mode::Manual, State::Prove);
+    assert_eq!(rig.controller.command(at(1e9, 3e-4)), Ok(()));
+    while rig.controller.state() == State::Prove {
+        rig.block();
+    }
+    let status = rig.controller.status();
+    assert_eq!(
+        (status.frequency_hz, status.limits),
+        (4.0, ActiveLimits::FREQUENCY)
+    );
+    rig.controller.command(Command::Stop).unwrap();
+    rig.pass(2.0);
     // On the way up.
     rig.starts(Mode::Manual, State::Ramp);
     assert_eq!(rig.controller.command(at(3.0, 5e-4)), Ok(()));

@@ -1,5 +1,7 @@
 //! The spring-dashpot contact in closed form, inverted.
 
+use crate::model::trig::sin_cos_f32;
+
 /// A contact of the spring-dashpot law, as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringDashpotContact {
@@ -30,7 +32,7 @@ pub fn spring_dashpot(restitution: f32, above: &Above, guess: f32) -> Option<Spr
         return None;
     }
     let psi = libm::sqrtf(angle_squared(-0.5 * libm::logf(restitution)));
-    let (sin, zeta) = (libm::sinf(psi), libm::cosf(psi));
+    let (sin, zeta) = sin_cos_f32(psi);
     let turns = 2.0 * psi / sin;
     let (mut omega, mut change) = (guess, f32::INFINITY);
     for _ in 0..12 {

@@ -1,6 +1,6 @@
 //! One instruction at a time, for a comparison with another processor (oracle/compare.py).
 //!
-//! A line in, all in hexadecimal: two half words, r0 to r14, status, s0 to s31, FPSCR. A line out: `ok`, r0 to pc, status,
+//! A line in, all in hexadecimal: two half words, r0 to r14, status, s0 to s31, FPSCR, an IT that goes before, or 0. A line out: `ok`, r0 to pc, status,
 //! s0 to s31, FPSCR, and the bytes of RAM that changed as address=byte; or `fault` and which.
 
 use std::io::{BufRead, Write};
@@ -33,7 +33,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let line = line?;
         let words = line.split(' ').map(|word| u32::from_str_radix(word, 16));
         let words: Vec<u32> = words.collect::<Result<_, _>>()?;
-        machine.place_code(AT, &[words[0] as u16, words[1] as u16, 0xbf00, 0xbf00]);
+        let block = words[51] as u16;
+        let code = [block, words[0] as u16, words[1] as u16, 0xbf00, 0xbf00];
+        let code = if block == 0 { &code[1..] } else { &code[..] };
+        machine.place_code(AT, code);
         machine.cpu.r[..15].copy_from_slice(&words[2..17]);
         machine.cpu.set_xpsr(words[17] & 0xf800_0000);
         machine.cpu.s.copy_from_slice(&words[18..50]);
@@ -42,7 +45,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         machine.cpu.sleeping = false;
         machine.cpu.pc = AT;
         machine.take_late_fault();
-        match machine.one() {
+        let mut done = machine.one();
+        if block != 0 && done.is_ok() {
+            done = machine.one();
+        }
+        match done {
             Err(Trap::Fault(fault)) => writeln!(out, "fault {fault:?}")?,
             Err(Trap::Stop(why)) => writeln!(out, "stop {why}")?,
             Ok(()) if machine.take_late_fault() => writeln!(out, "fault late")?,

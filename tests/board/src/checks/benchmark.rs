@@ -34,9 +34,13 @@ fn interrupted() -> Arc<AtomicBool> {
     came
 }
 
-/// The field scenario from the first pulse on, streaming at full rate.
+/// The field scenario from the first pulse on, in the short form from Hold on: a contact's block takes longest. Streaming at full
+/// rate.
 pub fn benchmark(setup: &Setup) -> Found {
-    let mut bench = Bench::driving(setup)?;
+    let mut bench = match setup.short {
+        Some(_) => Bench::holding(setup)?,
+        None => Bench::driving(setup)?,
+    };
     bench.client.hello()?;
     bench.client.tell(ToBoard::StreamFrames { on: true })?;
     let (from, before, counts) = {
