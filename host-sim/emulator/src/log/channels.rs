@@ -30,7 +30,7 @@ pub(super) const STATUS: LogChannel = LogChannel {
         (
             "limits",
             "integer",
-            "Limits that clamp: 1 force, 2 travel, 4 frequency, 8 amplitude",
+            "Limits that clamp: 1 force, 2 travel, 4 frequency, 8 amplitude, 16 feed",
         ),
         ("frequency_hz", "number", "Drive frequency, Hz"),
         ("amplitude_m", "number", "Commanded cart amplitude, m"),
