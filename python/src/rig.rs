@@ -1,5 +1,7 @@
 //! A rig, from a preset, a file or a text, with parameters set by keyword.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use files::rigfile;
 use numerics::NamedRig;
 use pyo3::prelude::*;
@@ -137,6 +139,21 @@ impl PythonRig {
 
     fn __eq__(&self, other: &Self) -> bool {
         self.named == other.named
+    }
+
+    /// Of its name: equal rigs have equal names.
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.named.name.hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __dir__<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let py = slf.py();
+        let own = py.get_type::<PyAny>().call_method1("__dir__", (slf,))?;
+        let parameters = slf.borrow().parameters(py)?;
+        let names = own.try_iter()?.chain(parameters.try_iter()?);
+        names.collect()
     }
 
     /// Preset and settings, or the file's text and settings: a rig travels to other processes without its file.

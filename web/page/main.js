@@ -30,7 +30,7 @@ for (const part of parts) {
       if (part === shown) return;
       // Each part finds its own address again.
       shown.address = location.hash;
-      history.replaceState(null, "", part.address ?? `#${part.id}`);
+      history.pushState(null, "", part.address ?? `#${part.id}`);
       show(part);
     },
   }, part.title);
@@ -67,7 +67,13 @@ panels.addEventListener("drive", ({ target, detail }) => {
   tellDrives();
 });
 
+// Back and forward go from part to part; who leaves the page with a drive on is asked.
+const asked = () => parts.find((part) => part.id === location.hash.slice(1).split("?")[0]) ?? parts[0];
+addEventListener("popstate", () => asked() !== shown && show(asked()));
+addEventListener("beforeunload", (event) => {
+  if (parts.some((part) => part.drive)) event.preventDefault();
+});
+
 startTheme(document.getElementById("theme"));
 tabs.hidden = parts.length < 2;
-const asked = location.hash.slice(1).split("?")[0];
-show(parts.find((part) => part.id === asked) ?? parts[0]);
+show(asked());

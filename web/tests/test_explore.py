@@ -273,6 +273,10 @@ def test_what_is_out_of_range_marks_its_field_and_greys_what_stood_there(opened)
     assert page.page.locator("[aria-invalid=true]").count() == page.page.locator(".stale").count() == 0
     page.page.set_input_files("#rigfile", {"name": "bad.toml", "mimeType": "text/plain", "buffer": b'preset = "wires"\nmas_kg = 1\n'})
     page.page.wait_for_selector("#problem:has-text('bad.toml, line 2')")
+    # The rig before stays, also in the address.
+    assert page.page.inner_text("#problem").endswith("The rig before stays")
+    assert "bad.toml" not in page.page.evaluate("location.hash")
+    assert page.page.locator(".stale").count() == 0
 
 
 def test_frequency_length_and_gravity_lead_to_no_dead_end(opened):
@@ -337,6 +341,16 @@ def test_a_rig_without_an_answer_says_so_where_the_answer_stood(opened):
     limit.press("Enter")
     page.page.wait_for_selector(".answer[data-state=nominal]:not(.stale)")
     assert page.page.inner_text("#no-answer") == ""
+
+
+def test_back_goes_from_part_to_part(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    page.page.get_by_role("tab", name="Live").click()
+    page.page.wait_for_selector("#part-explore[hidden]", state="attached")
+    page.page.go_back()
+    page.page.wait_for_selector("#part-explore:not([hidden])")
+    assert page.page.get_attribute("#tab-explore", "aria-selected") == "true"
 
 
 def test_an_own_rig_file_by_choice_and_by_drop(opened):

@@ -164,7 +164,7 @@ def test_begin_pressed_twice_is_begin(opened):
         assert wrong(page) == ""
     # Another scenario that is chosen waits for Begin, and says so.
     page.get_by_label("scenario", exact=True).select_option("crash")
-    page.wait_for_selector("text=Not begun yet (field with its events runs on until Begin)")
+    page.wait_for_selector("text=Not begun yet (field without its events runs on until Begin)")
     begin(page)
     assert page.locator("text=Not begun yet").count() == 0
 

@@ -39,6 +39,11 @@ class Record(Mapping):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._fields]
 
+    def __eq__(self, other: object) -> bool:
+        """Whether all fields are the same; a NaN equals a NaN in the same place."""
+        return isinstance(other, Record) and self._fields.keys() == other._fields.keys() and all(
+            _same(value, other._fields[key]) for key, value in self._fields.items())
+
     def __getstate__(self) -> dict[str, Any]:
         return self._fields
 
@@ -163,6 +168,14 @@ def _column(values: Any) -> np.ndarray:
     column = np.empty(len(values), dtype=object)
     column[:] = values
     return column
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if np.shape(one) != np.shape(other):
+        return False
+    return bool(np.all((one == other) | ((one != one) & (other != other))))
 
 
 def _plain(value: Any) -> Any:

@@ -57,6 +57,7 @@ export class AnswerPanel {
     for (const { key, input } of this.limits) if (document.activeElement !== input) input.value = limits[key] ?? "";
     this.panel.dataset.state = "asked";
     this.problem.textContent = "";
+    this.took.textContent = "Computing …";
     this.panel.setAttribute("aria-busy", "true");
     const { leave } = this;
     this.first().then(() => !leave.signal.aborted && this.whole(true));
@@ -78,9 +79,9 @@ export class AnswerPanel {
       this.panel.classList.remove("stale");
       this.panel.dataset.firstMs = Math.round(ms);
       const [low, high] = value.stable_one_one_ends.map((end) => ENDS[end]);
-      // What was the former rig's goes until the second part has come.
-      for (const part of [this.table, this.saves]) part.replaceChildren();
-      this.chart.figure.hidden = true;
+      // What was the former rig's is greyed until the second part has come.
+      this.saves.replaceChildren();
+      for (const part of [this.table, this.chart.figure]) part.classList.add("stale");
       this.said.replaceChildren(
         element("p", { class: "headline" }, element("strong", {}, `${digits(value.nominal_optimum_hz)} Hz`), ` · force ${digits(value.nominal_optimum_force_ratio)} times the weight (${digits(value.force_n)} N)`),
         element("p", {}, `There the hammer strikes once per drive period, most strongly (Ω/ω ${digits(value.frequency_ratio)}). This motion is stable from ${range(value.stable_one_one_hz)}: below, ${low}; above, ${high}.`));
@@ -125,7 +126,7 @@ export class AnswerPanel {
 
   show(value, nominal, ms, all) {
     this.chart.figure.hidden = false;
-    this.panel.classList.remove("stale");
+    for (const part of [this.table, this.chart.figure, this.panel]) part.classList.remove("stale");
     this.panel.dataset.state = nominal ? "nominal" : "whole";
     this.panel.setAttribute("aria-busy", "false");
     const [low, high] = value.stable_one_one_ends.map((end) => ENDS[end]);

@@ -54,14 +54,15 @@ export class Controls {
       drop,
       element("div", { class: "pair" }, element("label", { for: "cart" }, "Cart"), this.cart),
       this.list, this.reset, this.notes);
+    // Wherever it is dropped: a browser would leave the page for it.
     for (const kind of ["dragenter", "dragover"]) {
-      this.panel.addEventListener(kind, (event) => {
+      addEventListener(kind, (event) => {
         event.preventDefault();
         this.panel.classList.add("dropping");
       });
     }
-    for (const kind of ["dragleave", "drop"]) this.panel.addEventListener(kind, () => this.panel.classList.remove("dropping"));
-    this.panel.addEventListener("drop", (event) => {
+    for (const kind of ["dragleave", "drop"]) addEventListener(kind, () => this.panel.classList.remove("dropping"));
+    addEventListener("drop", (event) => {
       event.preventDefault();
       this.read(event.dataTransfer.files[0]);
     });

@@ -90,7 +90,12 @@ export async function start(container) {
     },
     inWords: (error) => controls.inWords(error.message),
   });
-  const controls = new Controls(choices, (change) => {
+  const controls = new Controls(choices, async (change) => {
+    if (change.text != null) {
+      // A file that cannot be read takes nothing's place.
+      const bare = { ...rigOf({ ...state, source: change.source, text: change.text }), settings: [] };
+      change.wrong = await pool.json("explore.rig", bare).then(() => undefined, (error) => `${controls.inWords(error.message)}. The rig before stays`);
+    }
     if (change.wrong) {
       problem.textContent = change.wrong;
       return;
@@ -166,7 +171,8 @@ export async function start(container) {
       element("span", { class: "row" }, button("+", "zoom in", () => map.zoom(0.7)), button("\u2212", "zoom out", () => map.zoom(1 / 0.7)), button("⌂", "show the whole plane", () => map.home()))),
     map.box, map.progress, map.said, map.legend,
     element("div", { class: "row" }, take, labelled("Drive frequency, Hz ", frequency), link, shared, mapSaves), status);
-  container.replaceChildren(problem, element("div", { class: "explore-grid" }, controls.panel, plane, answer.panel, motion.panel));
+  const visit = element("p", { class: "note" }, "Choose a rig, move its parameters, or drop a rig file: the answer says at which frequency the hammer strikes hardest, how hard, and how far the frequency may be off. The map has what it does at every frequency and gap. Click into it, and you see the motion there.");
+  container.replaceChildren(visit, problem, element("div", { class: "explore-grid" }, controls.panel, plane, answer.panel, motion.panel));
 
   // Shows the state: the rig, its map, the recommendation and the motion at the point.
   async function refresh({ rig = true, pick = true, point = true } = {}) {
@@ -215,7 +221,7 @@ export async function start(container) {
   }
 
   addEventListener("hashchange", () => {
-    if (location.hash.startsWith("#explore?")) open(fromFragment(location.hash));
+    if (location.hash.startsWith("#explore?") && location.hash !== toFragment(state)) open(fromFragment(location.hash));
   });
   function open(wanted) {
     state = wanted;
