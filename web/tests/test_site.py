@@ -24,7 +24,7 @@ def searched(page, words):
     return page.locator("ul.search li").count()
 
 
-@pytest.mark.parametrize("width", [1280, 360])
+@pytest.mark.parametrize("width", [1920, 1280, 768, 360])
 def test_the_search_leads_to_the_section_with_all_words(opened, width):
     found = opened(width=width, file=SITE / "docs/map.html")
     page = found.page
@@ -34,6 +34,8 @@ def test_the_search_leads_to_the_section_with_all_words(opened, width):
         file, anchor = link.get_attribute("href").split("#")
         assert f'id="{anchor}"' in (SITE / file).read_text()
     assert searched(page, "semicolons zzyzx") == 0
+    # Words that say nothing and a slip of the finger do not stand in the way.
+    assert searched(page, "how do I mutliplier") == searched(page, "multiplier") > 3
     assert searched(page, "<img src=x> (") == 0
     assert page.locator("#search-results img").count() == 0
     assert searched(page, "semicolons between the columns") == 1
@@ -46,7 +48,7 @@ def test_the_search_leads_to_the_section_with_all_words(opened, width):
     assert found.said == []
 
 
-@pytest.mark.parametrize("width", [1280, 360])
+@pytest.mark.parametrize("width", [1920, 1280, 768, 360])
 def test_no_page_is_wider_than_the_screen_and_no_picture_is_missing(opened, width):
     found = opened(width=width, file=SITE / "index.html")
     found.page.wait_for_url("**/README.html")
@@ -57,6 +59,10 @@ def test_no_page_is_wider_than_the_screen_and_no_picture_is_missing(opened, widt
         assert found.page.evaluate("document.documentElement.scrollWidth") <= width, file.name
         broken = found.page.evaluate("[...document.images].filter((one) => !one.naturalWidth).map((one) => one.src)")
         assert broken == [], file.name
+        # A picture opens alone, and a link says where it leads.
+        assert found.page.locator("article img").count() == found.page.locator("article a img").count(), file.name
+        named = found.page.locator("article a").all_inner_texts() if file.parent.name == "docs" else []
+        assert [one for one in named if one.endswith(".md")] == [], file.name
     assert found.said == []
     # Nothing is asked for but the site's own files.
     assert [url for url in found.asked if not url.startswith(SITE.as_uri())] == []

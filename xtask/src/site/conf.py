@@ -13,7 +13,7 @@ from sphinx.util import logging
 from sphinx.util.osutil import relative_uri
 
 project = html_title = "vibroimpact"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx_copybutton"]
 # The pages lie where a repository's reader finds them; contents.md is their order.
 root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "tests/fuzz/README.md"]
@@ -27,7 +27,8 @@ highlight_language = "none"
 nitpicky = True
 
 html_theme = "furo"
-html_static_path = ["style.css", "search.js"]
+html_static_path = ["style.css", "search.js", "pictures.js"]
+html_js_files = [("pictures.js", {"defer": "defer"})]
 html_css_files = ["style.css"]
 templates_path = ["."]
 bars = ["brand", "search", "scroll-start", "navigation"]
@@ -97,6 +98,9 @@ def read(app, doctree):
     for link in list(doctree.findall(pending_xref)):
         if link["reftype"] == "myst" and link["refdomain"] is None:
             link_to_folder(app, page, link)
+        # A page's or a section's title says more than the name of its file.
+        elif re.fullmatch(r"[\w-]+\.md", link.astext()):
+            link["refexplicit"] = False
     for picture in doctree.findall(nodes.image):
         if not picture.get("alt"):
             log.warning("a picture without words", location=picture)
