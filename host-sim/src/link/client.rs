@@ -434,7 +434,7 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: this program no longer steers; another has taken over, the board was reset, or this one was silent for too long"
         }
         Refusal::SomebodySteers => {
-            "refused: another program steers; end it, or take over with --take-over (`stop` works all the same)"
+            "refused: another program steers; end it, or take over with --take-over (`stop` works nevertheless)"
         }
         Refusal::Old => "refused: the message is older than the last; try again",
         Refusal::AtTheBoard => "refused: that is done at the board, with its button",

@@ -49,7 +49,7 @@ pub fn write_beside_another(name: &str, bytes: &[u8]) -> Result<bool, UserError>
 }
 
 const IN_USE: &str =
-    "another program uses it; close that and try again (`link PORT stop` works all the same)";
+    "another program uses it; close that and try again (`link PORT stop` works nevertheless)";
 
 fn open(name: &str, baud: u32) -> Result<Box<dyn SerialPort>, UserError> {
     let port = serialport::new(name, baud)

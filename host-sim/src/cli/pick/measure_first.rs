@@ -42,7 +42,7 @@ pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
 pub fn table(a: &PickAnswer) -> String {
     let mut text = format!(
-        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open: computed over all of it for the first three, to first order for the others)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
+        "What to measure first. Each row: how a change of the parameter moves the nominal optimum, how well the parameter is known, and how far that leaves the force open (the first three are computed over the whole range, the others follow from the slope)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
         "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
     );
     for row in by_what_they_leave_open(a) {
