@@ -144,9 +144,11 @@ impl Profile {
         };
     }
 
-    /// The DMA makes a transfer, and keeps the processor from the bus for an access at either end.
+    /// The DMA makes a transfer, and keeps the control task, if that is at work, from the bus for an access at either end.
     pub(crate) fn transfer(&mut self) {
-        self.extra[1] += 2;
+        if self.began.is_some() {
+            self.extra[1] += 2;
+        }
     }
 
     /// How it stands when `cycles` have passed.
