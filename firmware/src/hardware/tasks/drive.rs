@@ -19,7 +19,7 @@ static DRIVING: AtomicBool = AtomicBool::new(false);
 /// Set where the enable was taken away without the controller, until the controller has switched off, too.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
 
-/// Whether the emergency-stop chain has reported that it was open since the drive was last on.
+/// Whether the emergency-stop chain has reported that it was open, since the drive was last on and since that was acknowledged.
 static CHAIN_WAS_OPEN: AtomicBool = AtomicBool::new(false);
 
 /// Takes what the chain reports in a block.
@@ -30,10 +30,15 @@ pub fn note_chain(open: bool) {
     }
 }
 
-/// Whether the emergency-stop chain has reported that it was open since the drive was last on.
+/// Whether the emergency-stop chain has reported that it was open, since the drive was last on and since that was acknowledged.
 #[inline]
 pub fn chain_was_open() -> bool {
     CHAIN_WAS_OPEN.load(Ordering::Relaxed)
+}
+
+/// What the chain reported has been acknowledged.
+pub fn forget_chain() {
+    CHAIN_WAS_OPEN.store(false, Ordering::Relaxed);
 }
 
 /// Pulls the enable low and keeps it there until the controller has switched the drive off.

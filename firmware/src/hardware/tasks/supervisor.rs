@@ -69,10 +69,12 @@ impl Supervisor {
             (controller.status(), acknowledge)
         });
         let pressed = self.pin.is_pressed();
-        if let Some(command) = self.button.step(pressed, status.state, acknowledge)
-            && let Err(why) = shared.lock(|recorder| recorder.command(command))
-        {
-            log::refused(why);
+        if let Some(command) = self.button.step(pressed, status.state, acknowledge) {
+            match shared.lock(|recorder| recorder.command(command)) {
+                Ok(()) if Some(command) == acknowledge => drive::forget_chain(),
+                Ok(()) => {}
+                Err(why) => log::refused(why),
+            }
         }
         let shown = LedShown {
             state: status.state,
