@@ -4,10 +4,11 @@
 //! to 18 % below the contact's true peak; where it has come back before the force is gone, up to 25 % above it.
 //! After the contact the sensor sees the ringing alone: a decaying sine. Its pitch and decay come from the correlation
 //! of those samples, added up over contacts (noise adds to the correlation at no lag, which is left out); its size and phase
-//! are fitted to each contact. Where they cannot be known, the peak is taken for 1.2 times what is read. The ringing is followed back to where it began, through the anti-alias filter, and
-//! taken out of the samples of the contact. With ringing of 5 to 60 % at 1 to 6 kHz and a decay of 1 or 2 ms, the peak of the
-//! emulator's contact is that of the same contact without ringing within 0.2 %, with noise of 0.5 % of the peak within
-//! 0.5 %, with 2 % within 3.4 % (a ringing of 5 % is then not always told from the noise).
+//! are fitted to each contact. Where they cannot be known, the peak is taken for 1.2 times what is read. The ringing is followed
+//! back to where it began, through the anti-alias filter, and taken out of the samples of the contact. With ringing of 5 to 60 %
+//! at 1 to 6 kHz and a decay of 1 or 2 ms, the peak of the emulator's contact is that of the same contact without ringing within
+//! 0.2 %, with noise of 0.5 % of the peak within 0.5 %, with 2 % within 3.4 % (a ringing of 5 % is then not always told from the
+//! noise).
 
 use core::f32::consts::{PI, SQRT_2};
 

@@ -89,11 +89,7 @@ class EmulatedRig {
       this.factor.dataset.factor = data.factor;
       this.tell(data.truth);
     }
-    if (data.error) {
-      this.wrong.textContent = data.error;
-      this.run.disabled = false;
-      if (data.fatal) this.failed(data.error);
-    }
+    if (data.error) this.failed(data.error, data.fatal);
     if (data.started) this.connect();
     if (data.scenarios) {
       this.scenarios = data.scenarios;
@@ -103,10 +99,11 @@ class EmulatedRig {
     }
   }
 
-  // The rig has ended: nothing that is shown is true any more.
-  failed(why) {
+  // Where that has ended the rig, nothing that is shown is true any more.
+  failed(why, fatal = true) {
     this.wrong.textContent = why;
     this.run.disabled = false;
+    if (!fatal) return;
     this.running = null;
     this.board?.close();
     this.view.show(null);

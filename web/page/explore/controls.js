@@ -54,17 +54,20 @@ export class Controls {
       drop,
       element("div", { class: "pair" }, element("label", { for: "cart" }, "Cart"), this.cart),
       this.list, this.reset, this.notes);
-    // Wherever it is dropped: a browser would leave the page for it.
+    // Wherever a file is dropped: a browser would leave the page for it. It is read where this part is seen.
+    const carries = (event) => event.dataTransfer.types.includes("Files");
     for (const kind of ["dragenter", "dragover"]) {
       addEventListener(kind, (event) => {
+        if (!carries(event)) return;
         event.preventDefault();
         this.panel.classList.add("dropping");
       });
     }
     for (const kind of ["dragleave", "drop"]) addEventListener(kind, () => this.panel.classList.remove("dropping"));
     addEventListener("drop", (event) => {
+      if (!carries(event)) return;
       event.preventDefault();
-      this.read(event.dataTransfer.files[0]);
+      if (this.panel.offsetParent) this.read(event.dataTransfer.files[0]);
     });
   }
 

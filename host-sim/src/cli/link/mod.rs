@@ -185,7 +185,7 @@ struct Recording {
     /// How long, s of the controller's time
     #[arg(long = "for", value_name = "S", default_value_t = 60.0)]
     duration_s: f64,
-    /// Start the controller once the recording runs, and stop it at the end, also when it is interrupted.
+    /// Start the controller once the recording runs, and stop it at the end, also when it is interrupted
     #[arg(long)]
     start: bool,
     #[command(flatten)]

@@ -334,11 +334,7 @@ pub fn silent_link(setup: &Setup) -> Found {
     must(gone_s > 0.5 && gone_s <= limit_s, || {
         format!("PA8 was last high {gone_s:.3} s after the last sign of life")
     })?;
-    let status = bench.must_be(State::Fault)?;
-    let fault = status.fault.map(|record| record.fault);
-    must(fault == Some(Fault::LinkTimeout), || {
-        format!("then {fault:?}")
-    })?;
+    bench.must_be_in(Fault::LinkTimeout)?;
     Ok((
         format!("PA8 low for good {gone_s:.2} s after the last sign of life: LinkTimeout"),
         bench.now() - from,

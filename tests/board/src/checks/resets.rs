@@ -21,11 +21,9 @@ pub fn while_driving(setup: &Setup) -> Found {
                 bench.advance_ms(4)?;
             }
             bench.advance_ms(200)?;
-            let status = bench.must_be(State::Fault)?;
-            let fault = status.fault.map(|record| record.fault);
-            must(fault == Some(Fault::ResetWhileDriving), || {
-                format!("{times} times, flags {flags:#x}: then {fault:?}")
-            })?;
+            bench
+                .must_be_in(Fault::ResetWhileDriving)
+                .map_err(|error| format!("{times} times, flags {flags:#x}: {error}"))?;
             // Once it has said so, a reset in Fault adds nothing, and one after it was cleared says nothing.
             bench.client.open_session(false)?;
             bench.client.command(Command::ClearFault)?;
@@ -64,11 +62,7 @@ pub fn sagged_before_a_start(setup: &Setup) -> Found {
     }
     must(resets > 0, || "the start went on".into())?;
     bench.advance_ms(1_000)?;
-    let status = bench.must_be(State::Fault)?;
-    let fault = status.fault.map(|record| record.fault);
-    must(fault == Some(Fault::BoardUnfit), || {
-        format!("then {fault:?}")
-    })?;
+    bench.must_be_in(Fault::BoardUnfit)?;
     Ok((
         "at 2.88 V: no pulse, a reset, then in Fault: BoardUnfit".into(),
         bench.now() - from,

@@ -6,9 +6,10 @@ use std::rc::Rc;
 use emulator::scenario::{Scenario, load};
 use host_sim::link::client::Client;
 use shared::control::{Command, Mode, State, Status};
+use shared::fault::Fault;
 use shared::link::{Hello, LinkAct};
 
-use super::Setup;
+use super::{Setup, must};
 use crate::machine::{Around, Change};
 use crate::parts::UNITS_PER_US;
 use crate::rig::{Rig, Wire, wired};
@@ -173,6 +174,15 @@ impl Bench {
             .into());
         }
         Ok(status)
+    }
+
+    /// It must be in Fault, with this one as its record's.
+    pub fn must_be_in(&mut self, wanted: Fault) -> Outcome {
+        let fault = self.must_be(State::Fault)?.fault;
+        let fault = fault.map(|record| record.fault);
+        must(fault == Some(wanted), || {
+            format!("in Fault by {fault:?}, not {wanted:?}")
+        })
     }
 
     /// What changed at the edge since `from`.
