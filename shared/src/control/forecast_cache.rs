@@ -10,7 +10,7 @@ use crate::model::regime::Regime;
 const FORECAST_RANGE: (f32, f32) = (0.8, 3.0);
 
 /// Below this share of A0 the forecast, made for A0, says nothing of contacts.
-const LEAST_SHARE: f32 = 0.4;
+const LEAST_SHARE: f32 = 0.2;
 
 /// The last forecast and the request for the next.
 #[derive(Clone, Debug, Default)]
@@ -83,6 +83,12 @@ impl ForecastCache {
     pub fn target_point(&self) -> (f32, f32) {
         let target = self.target.as_ref();
         target.map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n))
+    }
+
+    /// Whether there may be a stable 1/1 at `hz`: within the target's band, or without a target.
+    pub fn may_have_one_one_at(&self, hz: f32) -> bool {
+        let target = self.target.as_ref();
+        target.is_none_or(|target| (target.band_hz.0..=target.band_hz.1).contains(&hz))
     }
 
     /// The largest force that the forecast has between these frequencies and one row beyond, for an amplitude of
@@ -307,8 +313,8 @@ mod tests {
         // 80 N at A0: 40 N at half of it.
         assert!(cache.must_strike_at(2.5, 0.5 * full_m, 39.0));
         assert!(!cache.must_strike_at(2.5, 0.5 * full_m, 41.0));
-        // Below two fifths of A0 the forecast says nothing.
-        assert!(cache.must_strike_at(2.5, 0.41 * full_m, 1.0));
-        assert!(!cache.must_strike_at(2.5, 0.39 * full_m, 1.0));
+        // Below a fifth of A0 the forecast says nothing.
+        assert!(cache.must_strike_at(2.5, 0.21 * full_m, 1.0));
+        assert!(!cache.must_strike_at(2.5, 0.19 * full_m, 1.0));
     }
 }

@@ -21,6 +21,10 @@ const MOVES: f32 = 0.125;
 const TO_AND_FRO: usize = 2;
 /// How far a free cart may move for a swinging hammer, in units of m/M times the hammer's motion.
 const SHAKEN: f32 = 2.5;
+/// The same of a motion faster than that of a hammer that swings free, which is no longer near the resonance of the suspension.
+const SHAKEN_FAST: f32 = 1.25;
+/// How often a hammer that swings free passes its middle, over twice in a natural period, at most. One more for where the window begins.
+const FREE: f32 = 1.2;
 /// Amplitude of a sine over its mean distance from the middle.
 const AMPLITUDE: f32 = core::f32::consts::FRAC_PI_2;
 
@@ -35,8 +39,10 @@ pub(super) struct OffWatch {
     /// Ticks of grace, and those of it that are left.
     full_grace: u32,
     grace: u32,
-    /// [`SHAKEN`] times m/M: how far a free cart may move per motion of the hammer.
-    shaken: f32,
+    /// m/M.
+    mass_share: f32,
+    /// How often a hammer that swings free passes its middle in a group, at most.
+    free_passages: f32,
     /// Ticks of the group under way.
     grouped: u32,
     /// Groups of the window under way.
@@ -60,7 +66,8 @@ enum Found {
 impl OffWatch {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
-        let natural_hz = (settings.rig.natural_frequency_hz() as f32).clamp(0.1, 4.0);
+        let natural_hz = settings.rig.natural_frequency_hz() as f32;
+        let window_s = 2.0 / natural_hz.clamp(0.1, 4.0);
         let grace_s = match settings.drive.kind {
             DriveKind::Shaker => GRACE_S.0,
             DriveKind::Motor => GRACE_S.1,
@@ -68,12 +75,13 @@ impl OffWatch {
         let rate_hz = TICK_RATE_HZ as f32;
         let grace = (grace_s * rate_hz) as u32;
         Self {
-            group: (2.0 / natural_hz * rate_hz / GROUPS as f32) as u32,
+            group: (window_s * rate_hz / GROUPS as f32) as u32,
             largest_m: MOVES * settings.rig.amplitude_m as f32,
             reach_m: 2.0 * settings.trips.cart_m,
             full_grace: grace,
             grace,
-            shaken: SHAKEN * (settings.rig.mass_kg / settings.rig.cart_mass_kg) as f32,
+            mass_share: (settings.rig.mass_kg / settings.rig.cart_mass_kg) as f32,
+            free_passages: 2.0 * FREE * natural_hz * window_s / GROUPS as f32,
             grouped: 0,
             groups: 0,
             cart: Spread::NEW,
@@ -93,10 +101,15 @@ impl OffWatch {
     /// motion, m, when that trips.
     #[inline]
     pub fn tick(&mut self, cart_m: f32, relative_m: f32) -> Option<f32> {
+        if self.grace == self.full_grace {
+            self.begin_window();
+        }
         if self.grace > 0 {
             self.grace -= 1;
-            self.begin_window();
-            return None;
+            // What came to rest within the grace stands still at the end of its window; what has not is judged from here on.
+            if self.grace == 0 && self.is_far(1.0) {
+                self.begin_window();
+            }
         }
         self.cart.sum_m += cart_m.max(-self.reach_m).min(self.reach_m);
         self.relative.sum_m += relative_m;
@@ -127,20 +140,34 @@ impl OffWatch {
             return None;
         }
         let (amplitude_m, passages) = self.cart.motion(self.groups);
-        let (swing_m, _) = self.relative.motion(self.groups);
         // A part of the window must show so much more.
         let certain = GROUPS as f32 / self.groups as f32;
-        let far = amplitude_m > certain * self.largest_m + self.shaken * swing_m;
-        let moves = far && passages >= TO_AND_FRO;
-        if moves {
-            self.found = Found::Moving;
-        } else if whole {
-            self.found = Found::Still;
-        }
+        let moves = self.is_far(certain) && passages >= TO_AND_FRO;
         if whole {
             self.begin_window();
         }
+        match (moves, whole) {
+            // It may still coast.
+            (true, _) if self.grace > 0 => return None,
+            (true, _) => self.found = Found::Moving,
+            (false, true) => self.found = Found::Still,
+            (false, false) => {}
+        }
         moves.then_some(amplitude_m)
+    }
+
+    /// Whether the cart has moved by itself in the groups so far, `certain` times as far as counts.
+    fn is_far(&self, certain: f32) -> bool {
+        let (amplitude_m, passages) = self.cart.motion(self.groups);
+        let (swing_m, _) = self.relative.motion(self.groups);
+        let is_free = passages as f32 <= self.free_passages * self.groups as f32 + 1.0;
+        let shaken = if is_free { SHAKEN } else { SHAKEN_FAST } * self.mass_share;
+        amplitude_m > certain * self.largest_m + shaken * swing_m
+    }
+
+    /// Whether the drive went off so recently that the cart may still coast.
+    pub fn may_coast(&self) -> bool {
+        self.grace > 0
     }
 
     /// Whether the cart moves with the drive off.
@@ -234,15 +261,34 @@ mod tests {
 
     #[test]
     fn a_cart_shaken_by_a_swinging_hammer_is_no_drive_and_one_that_moves_more_is() {
-        let moves = |share: f32| {
-            let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
-            (0..200_000_u32).any(|tick| {
-                let sin = libm::sinf(core::f32::consts::TAU * 4.3e-5 * tick as f32 * 5.0);
-                // 3 mm of swing: 0.111 mm and 2.5 m/M of that are 0.526 mm.
-                watch.tick(share * 0.526e-3 * sin, 3e-3 * sin).is_some()
-            })
-        };
-        assert!(moves(1.1) && !moves(0.9));
+        // 3 mm of swing: 0.111 mm and 2.5 m/M of that are 0.526 mm, 1.25 m/M, where it is faster than a free swing, 0.319 mm.
+        for (natural, least_m) in [(0.9, 0.526e-3), (1.1, 0.526e-3), (2.0, 0.319e-3)] {
+            let hz = natural * WIRES.natural_frequency_hz() as f32;
+            let moves = |share: f32| {
+                let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
+                (0..200_000_u32).any(|tick| {
+                    let sin = libm::sinf(core::f32::consts::TAU * hz * tick as f32 / 20_000.0);
+                    watch.tick(share * least_m * sin, 3e-3 * sin).is_some()
+                })
+            };
+            assert!(moves(1.1) && !moves(0.9), "{natural}");
+        }
+    }
+
+    /// A heavy hammer struck by a drive that runs on: its own large motion hid the cart's for good.
+    #[test]
+    fn a_drive_that_runs_on_is_found_beside_a_heavy_hammer() {
+        let mut rig = WIRES;
+        rig.cart_mass_kg = 10.0 * rig.mass_kg;
+        let mut watch = OffWatch::new(&Settings::for_rig(&rig));
+        let hz = 2.0 * rig.natural_frequency_hz() as f32;
+        let a0 = rig.amplitude_m as f32;
+        watch.driving();
+        let found = (0..400_000_u32).find(|tick| {
+            let sin = libm::sinf(core::f32::consts::TAU * hz * *tick as f32 / 20_000.0);
+            watch.tick(a0 * sin, 4.0 * a0 * sin).is_some()
+        });
+        assert!(found.is_some_and(|tick| tick < 38_000), "{found:?}");
     }
 
     #[test]

@@ -10,6 +10,9 @@ use crate::settings::ticks_of;
 const REGAINED_PERIODS: u8 = 8;
 /// Times the limit without 1/1 after which a search that never comes to Hold ends, too.
 const SOUGHT: f32 = 2.0;
+/// The same share of it without a single contact since the start: a search has been where the hammer must strike by then, and what the
+/// force sensor does not show may be beyond the limits.
+const UNTOUCHED: f32 = 0.25;
 
 /// What the controller is doing, with what it needs for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -98,6 +101,8 @@ pub(super) struct Seeking {
     ticks_without_one_one: u32,
     /// Ticks in Seek since the last Hold.
     ticks_sought: u32,
+    /// Whether there has been a contact.
+    touched: bool,
     /// Drive periods in a row with one contact each.
     one_one_periods: u8,
 }
@@ -108,12 +113,14 @@ impl Seeking {
             search,
             ticks_without_one_one: 0,
             ticks_sought: 0,
+            touched: false,
             one_one_periods: 0,
         }
     }
 
     /// A drive period has ended with this many contacts.
     pub fn strobe(&mut self, contacts: u16) {
+        self.touched |= contacts > 0;
         self.one_one_periods = if contacts == 1 {
             self.one_one_periods.saturating_add(1)
         } else {
@@ -124,8 +131,8 @@ impl Seeking {
         }
     }
 
-    /// A block has passed, in Hold or not. Whether there was no 1/1 for longer than `limit_s`, or no Hold for
-    /// [`SOUGHT`] times that.
+    /// A block has passed, in Hold or not. Whether there was no 1/1 for longer than `limit_s`, no Hold for [`SOUGHT`] times that, or not
+    /// one contact for [`UNTOUCHED`] of it.
     pub fn has_failed(&mut self, ticks: u32, held: bool, limit_s: f32) -> bool {
         self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
         self.ticks_sought = if held {
@@ -135,6 +142,7 @@ impl Seeking {
         };
         self.ticks_without_one_one > ticks_of(limit_s)
             || self.ticks_sought > ticks_of(SOUGHT * limit_s)
+            || (!self.touched && self.ticks_sought > ticks_of(UNTOUCHED * limit_s))
     }
 }
 
@@ -167,6 +175,12 @@ mod tests {
                 seeking.strobe(number);
             }
         };
+        assert!(
+            !seeking.has_failed(second / 4, false, 1.0),
+            "exactly a quarter"
+        );
+        assert!(seeking.has_failed(1, false, 1.0), "not one contact");
+        let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
         assert!(!seeking.has_failed(second - 10, true, 1.0));
         // Eight drive periods with one contact each bring it back.
         strobes(&mut seeking, [1; 8]);

@@ -7,6 +7,7 @@ use super::phase::Phase;
 use super::plausibility::Doubt;
 use super::proof::Proven;
 use super::search::{Beat, SearchStep};
+use super::self_test::SelfTest;
 use super::trim::Way;
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
@@ -17,6 +18,9 @@ use crate::sense::{Pulse, Sample, Strobe};
 const CLEAN_PERIODS: u8 = 4;
 /// Factor within which the natural frequency is known: as far to either side the force that the forecast has is reckoned with.
 const NATURAL_SPREAD: f32 = 1.06;
+/// Share of the full amplitude above which no code stands still for a drive period: three codes each way, of a sensor as coarse as
+/// settings may have it.
+const MOVES: f32 = 0.2;
 /// Drive periods in a row beyond a limit after which a motor is switched off.
 const BEYOND_PERIODS: u8 = 2;
 
@@ -25,11 +29,14 @@ impl Controller {
     #[inline]
     pub(super) fn sample(&mut self, frame: &Frame) {
         let driving = self.life.phase.is_driving();
-        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.full_amplitude_m();
+        let moving = driving && self.oscillator.amplitude_m() > MOVES * self.full_amplitude_m();
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
         self.watch_the_cart(&sample, driving);
-        if let Some(trip) = trip {
+        let coasts = !driving && self.off_watch.may_coast();
+        let at_its_end =
+            |trip: &Trip| (trip.fault, trip.origin) == (Fault::SensorSaturated, Origin::Cart);
+        if let Some(trip) = trip.filter(|trip| !(coasts && at_its_end(trip))) {
             self.trip(trip);
             return;
         }
@@ -43,6 +50,10 @@ impl Controller {
         match &mut self.life.phase {
             Phase::SelfTest(start) => match start.test.tick(frame, sample) {
                 None => {}
+                // A drive that runs on from before a power-off is known by the motion alone.
+                Some(Ok(_)) if !self.off_watch.is_still() => {
+                    start.test = SelfTest::new(&self.settings);
+                }
                 Some(Ok(zero)) => self.finish_self_test(zero),
                 Some(Err(trip)) => self.trip(trip),
             },
@@ -159,7 +170,9 @@ impl Controller {
     pub(super) fn go_by_the_worse(&mut self) {
         let doubt = self.doubt();
         let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
-        let peak_over_two = self.sense.ringing().peak_over_two();
+        let ringing = self.sense.ringing();
+        // Both say by how much a ringing hides a peak: the larger counts, not one on top of the other.
+        let peak_over_two = (ringing.peak_over_two() / ringing.doubt()).max(1.0);
         let shift_m = self.plausibility.zero_shift_m();
         self.guard
             .set_levels(&self.settings.trips, &doubt, peak_over_two, rest, shift_m);
@@ -192,9 +205,10 @@ impl Controller {
             return;
         };
         seeking.strobe(strobe.contacts);
+        let at_bound = seeking.search.is_at_bound();
         self.seek(strobe, arrived);
-        // While a forecast of the rig as it is now is awaited, the last one contradicts nobody.
-        if self.life.is_in(State::Hold) && !self.forecast.is_awaited() {
+        // While a forecast of the rig as it is now is awaited, the last one contradicts nobody; nor does a frequency that a bound holds.
+        if self.life.is_in(State::Hold) && !self.forecast.is_awaited() && !at_bound {
             let (target_hz, _) = self.forecast.target_point();
             let hz = self.oscillator.frequency_hz();
             if let Some(trip) = self.plausibility.held(strobe, hz, target_hz) {
@@ -254,9 +268,11 @@ impl Controller {
         false
     }
 
-    /// Counts the periods with one contact each. What flights showed before, with chatter in them, is forgotten.
+    /// Counts the periods with one contact each, where the forecast has 1/1: elsewhere contacts too weak to be seen hide between them. What
+    /// flights showed before is forgotten.
     fn note_clean_period(&mut self, strobe: &Strobe) {
-        let clean = if strobe.contacts == 1 {
+        let hz = self.oscillator.frequency_hz();
+        let clean = if strobe.contacts == 1 && self.forecast.may_have_one_one_at(hz) {
             self.seen.clean.saturating_add(1)
         } else {
             0
@@ -314,7 +330,9 @@ impl Controller {
     /// Moves the amplitude towards the force wanted, while 1/1 is held at its phase.
     fn make_the_force(&mut self, strobe: &Strobe) {
         let seeking = self.life.phase.seeking_mut();
-        if strobe.contacts != 1 || !seeking.is_some_and(|seeking| seeking.search.has_found()) {
+        let found = seeking.is_some_and(|seeking| seeking.search.has_found());
+        // A sensor whose gain has just fallen asks for more.
+        if strobe.contacts != 1 || !found || !self.plausibility.is_steady() {
             self.force.interrupt();
             return;
         }

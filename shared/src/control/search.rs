@@ -181,7 +181,7 @@ impl Search {
             None => high * (1.0 - BAND_MARGIN),
         };
         self.range_hz = range_hz;
-        self.floor_hz = (low * (1.0 + BAND_MARGIN)).max(range_hz.0);
+        self.floor_hz = (low * (1.0 + BAND_MARGIN)).max(range_hz.0).min(range_hz.1);
         self.ceiling_hz = top.min(range_hz.1).max(self.floor_hz);
         self.entry_hz = target.entry_hz.max(range_hz.0).min(range_hz.1);
     }

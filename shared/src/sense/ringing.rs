@@ -227,7 +227,8 @@ impl Ringing {
     /// How many times what it seems to be the peak may still be.
     pub fn doubt(&self) -> f32 {
         if self.shape.is_some() && self.contacts < FEW {
-            MOST
+            // Of contacts that ring in an unknown way the peak has it already.
+            (MOST / self.peak_over_reading()).max(1.0)
         } else {
             1.0
         }

@@ -1,6 +1,6 @@
 //! The ranges of the settings.
 
-use super::{Calibration, Detection, DriveSettings, Limits, Settings, Trips};
+use super::{Calibration, Detection, DriveSettings, Limits, Settings, Trips, strong_force_n};
 use crate::io::{DAC_REACH, HIGH_RAIL, LOW_RAIL};
 use crate::model::cart::CartDrive;
 use crate::model::params::{ParamError, RigParams};
@@ -202,12 +202,12 @@ impl Settings {
                 cart,
                 "at least limits.amplitude_m, at most 20 times that and 95 % of what the cart's sensor can measure",
             ),
-            ("trips.no_contact_s", no_contact_s, (0.1, 30.0), "0.1 to 30"),
+            ("trips.no_contact_s", no_contact_s, (1.0, 30.0), "1 to 30"),
             (
                 "trips.regime_lost_s",
                 regime_lost_s,
-                (1.0, 300.0),
-                "1 to 300",
+                (10.0, 300.0),
+                "10 to 300",
             ),
             ("trips.link_timeout_s", link_timeout_s, silence.0, silence.1),
         ])
@@ -220,14 +220,18 @@ impl Settings {
             refractory_s,
         } = self.detection;
         let least_n = (CODES_OF_A_CONTACT * self.force.unit_per_code).max(TINY);
-        let (on, off) = ((least_n, self.limits.force_n), (TINY, on_n));
+        let strong_n = strong_force_n(&self.rig) as f32;
+        let (on, off) = (
+            (least_n, self.limits.force_n.min(0.5 * strong_n)),
+            (TINY, on_n),
+        );
         let key = "detection.refractory_s";
         all_within(&[
             (
                 "detection.on_n",
                 on_n,
                 on,
-                "at least 8 codes of the force sensor, at most limits.force_n",
+                "at least 8 codes of the force sensor, at most limits.force_n and half of what a strong contact has",
             ),
             (
                 "detection.off_n",

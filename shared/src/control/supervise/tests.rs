@@ -234,7 +234,8 @@ fn a_motor_runs_by_hand_only_and_is_stopped_at_once() {
 
 #[test]
 fn a_search_without_one_one_is_given_up_after_its_time() {
-    let mut rig = TestRig::with(|settings| settings.trips.regime_lost_s = 4.0);
+    // Without a single contact it is a quarter of the time.
+    let mut rig = TestRig::with(|settings| settings.trips.regime_lost_s = 16.0);
     rig.forecast(Some(target(3.6)));
     rig.starts(Mode::Automatic, State::Seek);
     rig.pass(3.98);
@@ -251,7 +252,7 @@ fn a_contact_is_missed_only_where_the_forecast_has_a_strong_one_and_never_on_the
         let mut rig = TestRig::with(|settings| settings.trips.no_contact_s = 3.00025);
         rig.forecast_of(Some(target(3.6)), strikes_n);
         rig.starts(Mode::Automatic, State::Seek);
-        // It has been counted since two fifths of the amplitude were reached, 0.6 s ago.
+        // It has been counted since a fifth of the amplitude was reached, 0.6 s ago.
         rig.pass(stop_after_s);
         if rig.controller.state() == State::Seek {
             rig.controller.command(Command::Stop).unwrap();
