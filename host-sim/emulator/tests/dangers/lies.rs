@@ -195,6 +195,8 @@ fn contacts_too_weak_to_be_seen_name_no_sensor_by_hand() {
         ("beam-170", (13.1, 7.16), 170.0, 0.08, 61),
         ("beam-150", (16.7, 13.1), 207.0, 0.58, 90),
         ("wires", (4.1, 5.51), 82.0, 0.0, 108),
+        ("beam-135", (13.0, 11.0), 330.0, -0.3, 7),
+        ("beam-150", (10.0, 14.0), 270.0, -0.3, 9),
     ];
     ways.par_iter()
         .for_each(|(rig, (from_hz, to_hz), limit_n, gap_mm, seed)| {

@@ -461,3 +461,70 @@ fn no_single_blow_above_its_trip_level_goes_by_without_a_trip() {
     }
     assert!(blows.iter().filter(|(_, trips)| *trips).count() > 30);
 }
+
+/// A force sensor that is dead, or shows a tenth, before the first blow, and a limit that keeps the amplitude small: it was found after 63 s,
+/// and a surface that recedes meanwhile made blows of 116 % of the limit.
+#[test]
+fn a_limit_holds_when_the_force_sensor_never_showed_a_contact_and_the_surface_recedes() {
+    let ways = [
+        (1.99, 117.4, 5, "fault = \"gain\"\ntimes = 0.1", 0.083),
+        (1.55, 126.4, 3, "fault = \"frozen\"", 0.036),
+    ];
+    ways.par_iter()
+        .for_each(|(gap_mm, limit_n, seed, fault, mm_per_s)| {
+            let truth = truth_told(&format!(
+                "duration_s = 40.0\nseed = {seed}\n[true_rig]\npreset = \"beam-150\"\ngap_mm = {gap_mm:?}\n[sensors]\n\
+                 noise_percent = 1.0\nringing_percent = 0.0\n[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {:?}\n{}{}{}",
+                1.15 * limit_n,
+                start(),
+                lie(2.1, "force", fault),
+                event(
+                    9.0,
+                    &format!("kind = \"recede\"\nmm_per_s = {mm_per_s:?}\nup_to_mm = 1.2")
+                )
+            ));
+            assert!(truth.force_n < 1.1 * limit_n, "{gap_mm}: {truth:?}");
+            assert!(truth.last_on_s < 20.0, "{gap_mm}: {truth:?}");
+        });
+}
+
+/// What ringing may hide was reckoned with twice while it was not known: over-force at 65 to 75 % of the limit.
+#[test]
+fn a_low_limit_on_a_surface_that_rings_trips_nothing() {
+    let ways = [
+        ("beam-135", 0.56, 103.378, 1.9, 52, 3316, 0.8, 2),
+        ("wires", 0.62, 37.622, 1.8, 58, 4395, 0.9, 3),
+        ("wires", 0.64, 31.342, 0.7, 50, 3750, 0.8, 2),
+        ("beam-150", 1.18, 106.816, 1.7, 59, 3379, 0.5, 1),
+    ];
+    ways.par_iter()
+        .for_each(|(rig, gap_mm, limit_n, noise, ringing, hz, decay_ms, seed)| {
+            let truth = truth_told(&format!(
+                "duration_s = 25.0\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\ngap_mm = {gap_mm:?}\n[limits]\nforce_n = {limit_n:?}\n\
+                 [trips]\nforce_n = {:?}\n[sensors]\nnoise_percent = {noise:?}\nringing_percent = {ringing}.0\nringing_hz = {hz}.0\n\
+                 ringing_decay_ms = {decay_ms:?}\n{}",
+                1.12 * limit_n,
+                start(),
+            ));
+            assert_eq!(faults(&truth), [], "{rig} {gap_mm}");
+            assert!(truth.force_n < 1.05 * limit_n, "{rig}: {truth:?}");
+        });
+}
+
+/// The amplitude was raised to the force that the sensor no longer showed: 114 % of the limit, beyond the trip level.
+#[test]
+fn a_force_wanted_is_not_made_with_a_sensor_whose_gain_has_just_fallen() {
+    [("beam-170", 150.0), ("wires", 62.0)]
+        .par_iter()
+        .for_each(|(rig, wanted_n)| {
+            let limit_n = 1.05 * wanted_n;
+            let tables = format!(
+                "[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {:?}\n[aim]\nforce_n = {wanted_n:?}\n",
+                1.1 * limit_n
+            );
+            let run = tables + &start() + &gain(38.0, "force", 0.6);
+            let truth = truth_of(rig, 50.0, &run);
+            assert!(truth.force_n < 1.05 * limit_n, "{rig}: {truth:?}");
+            assert_eq!(faults(&truth), [Fault::SensorOutOfFamily], "{rig}");
+        });
+}

@@ -107,6 +107,49 @@ fn a_drive_that_runs_on_starts_nothing_after_a_reset() {
     });
 }
 
+/// A power-off takes the record of the fault, and one that is cleared before the cart was seen to move tells nothing: the start waits
+/// until the cart stands still.
+#[test]
+fn a_start_waits_for_a_cart_that_still_moves() {
+    let power_off = |at_s: f64| event(at_s, "kind = \"reset\"\ncause = \"power-on\"");
+    let ways = [
+        ("wires", 0.36, (4.43, 0.355), power_off(10.18), 10.62),
+        ("beam-170", 0.3, (9.86, 0.266), power_off(10.2), 10.5),
+        ("beam-135", 0.32, (5.72, 0.422), power_off(11.4), 11.6),
+        (
+            "beam-135",
+            1.5,
+            (18.0, 0.89),
+            event(10.1, "kind = \"clear-fault\""),
+            10.11,
+        ),
+    ];
+    ways.par_iter()
+        .for_each(|(rig, gap_mm, (hz, mm), between, again_s)| {
+            let truth = truth_told(&format!(
+                "duration_s = 18.0\nseed = 3\n[true_rig]\npreset = \"{rig}\"\ngap_mm = {gap_mm:?}\n[sensors]\nnoise_percent = 1.0\n{}{}{}{}{between}{}",
+                by_hand(),
+                set_point(4.0, *hz, *mm),
+                event(10.0, "kind = \"stuck-drive\""),
+                event(10.0003, "kind = \"emergency-stop\"\nfor_s = 0.05"),
+                event(*again_s, "kind = \"start\""),
+            ));
+            assert!(truth.last_on_s < 10.1, "{rig}: {truth:?}");
+            assert!(faults(&truth).contains(&Fault::NotOff), "{rig}: {truth:?}");
+        });
+}
+
+/// Thrown to the end of its sensor by a link timeout at speed: that is no second fault, which would latch.
+#[test]
+fn a_cart_that_coasts_to_the_end_of_its_sensor_is_no_fault() {
+    let shaker = "[shaker]\nsuspension_hz = 2.0\nsuspension_damping_ratio = 0.7\n";
+    let link = |at_s: f64, what: &str| event(at_s, &format!("kind = \"{what}\""));
+    let events = start() + &link(5.0, "link") + &link(13.0213, "link-loss") + &link(18.0, "link");
+    let truth = truth_of("beam-135", 22.0, &(shaker.to_owned() + &events));
+    assert_eq!(faults(&truth), [Fault::LinkTimeout]);
+    assert_eq!(truth.end, State::Idle);
+}
+
 /// Receding is what drilling is: at any rate and as far as the hammer strikes, the surface is followed.
 #[test]
 fn a_surface_that_recedes_is_followed() {

@@ -319,3 +319,11 @@ fn three_contacts_in_three_periods_are_no_doubling() {
     };
     assert_eq!(rig.run(60), None);
 }
+
+#[test]
+fn no_bound_of_the_band_is_beyond_a_limit() {
+    for high_hz in [2.0, 2.13, 2.2] {
+        let search = Search::new(&TARGET, (1.4, high_hz), false);
+        assert!(search.ceiling_hz <= high_hz && search.floor_hz <= search.ceiling_hz);
+    }
+}
