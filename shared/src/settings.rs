@@ -183,7 +183,8 @@ const CONTACT_STIFFNESS: f64 = 5.5e6;
 /// Amplitude of the chapter's rigs, m: for which the ranges of displacement below are.
 const USUAL_AMPLITUDE_M: f64 = 0.89e-3;
 
-/// Peak force of a strong 1/1 at no gap and the rig's amplitude, N, for who has no forecast.
+/// Peak force of a strong 1/1 at no gap and the rig's amplitude, N, for who has no forecast. Five ask for it: one copy is enough.
+#[inline(never)]
 pub fn strong_force_n(rig: &RigParams) -> f64 {
     let omega = TAU * rig.natural_frequency_hz();
     let stiffness = match rig.contact {

@@ -107,7 +107,14 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
 }
 
 /// Why `settings` are refused; with a force too low for a contact to be detected, the lowest that is not.
-pub fn refusal(settings: &Settings, error: ParamError) -> UserError {
+pub fn refusal(settings: &Settings, mut error: ParamError) -> UserError {
+    // Settings are f32: as many digits as those have.
+    if error.key.contains('.') {
+        error.value = (error.value as f32)
+            .to_string()
+            .parse()
+            .unwrap_or(error.value);
+    }
     let least_n = settings.least_force_n();
     match error.key {
         "limits.force_n" | "aim.force_n" if error.value < f64::from(least_n) => {

@@ -107,8 +107,11 @@ impl OffWatch {
         if self.grace > 0 {
             self.grace -= 1;
             // What came to rest within the grace stands still at the end of its window; what has not is judged from here on.
-            if self.grace == 0 && self.is_far(1.0) {
-                self.begin_window();
+            if self.grace == 0 {
+                let (amplitude_m, shaken_m, _) = self.motion();
+                if amplitude_m > self.largest_m + shaken_m {
+                    self.begin_window();
+                }
             }
         }
         self.cart.sum_m += cart_m.max(-self.reach_m).min(self.reach_m);
@@ -139,10 +142,11 @@ impl OffWatch {
         if !whole && !early {
             return None;
         }
-        let (amplitude_m, passages) = self.cart.motion(self.groups);
+        let (amplitude_m, shaken_m, passages) = self.motion();
         // A part of the window must show so much more.
         let certain = GROUPS as f32 / self.groups as f32;
-        let moves = self.is_far(certain) && passages >= TO_AND_FRO;
+        let far = amplitude_m > certain * self.largest_m + shaken_m;
+        let moves = far && passages >= TO_AND_FRO;
         if whole {
             self.begin_window();
         }
@@ -156,13 +160,15 @@ impl OffWatch {
         moves.then_some(amplitude_m)
     }
 
-    /// Whether the cart has moved by itself in the groups so far, `certain` times as far as counts.
-    fn is_far(&self, certain: f32) -> bool {
+    /// The amplitude of the cart's motion in the groups so far, m, how much of it a swinging hammer may have made, and how often it passed its
+    /// middle. Two ask for it: one copy is enough.
+    #[inline(never)]
+    fn motion(&self) -> (f32, f32, usize) {
         let (amplitude_m, passages) = self.cart.motion(self.groups);
         let (swing_m, _) = self.relative.motion(self.groups);
         let is_free = passages as f32 <= self.free_passages * self.groups as f32 + 1.0;
         let shaken = if is_free { SHAKEN } else { SHAKEN_FAST } * self.mass_share;
-        amplitude_m > certain * self.largest_m + shaken * swing_m
+        (amplitude_m, shaken * swing_m, passages)
     }
 
     /// Whether the drive went off so recently that the cart may still coast.
@@ -204,6 +210,7 @@ impl Spread {
     }
 
     /// The amplitude of a sine of the spread of the first `count` groups about their mean, and how often they pass it.
+    #[inline(never)]
     fn motion(&self, count: usize) -> (f32, usize) {
         let means = || self.means_m.iter().take(count);
         let share = 1.0 / count as f32;

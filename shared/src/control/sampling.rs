@@ -171,8 +171,9 @@ impl Controller {
         let doubt = self.doubt();
         let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
         let ringing = self.sense.ringing();
-        // Both say by how much a ringing hides a peak: the larger counts, not one on top of the other.
-        let peak_over_two = (ringing.peak_over_two() / ringing.doubt()).max(1.0);
+        // Both say by how much a ringing hides a peak: the larger counts, not one on top of the other. Two samples may also reach more.
+        let over_two = ringing.peak_over_two();
+        let peak_over_two = over_two.min((over_two / ringing.doubt()).max(1.0));
         let shift_m = self.plausibility.zero_shift_m();
         self.guard
             .set_levels(&self.settings.trips, &doubt, peak_over_two, rest, shift_m);

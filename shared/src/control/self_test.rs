@@ -62,7 +62,8 @@ pub struct SelfTest {
 }
 
 impl SelfTest {
-    /// A test of a rig with `settings`.
+    /// A test of a rig with `settings`. Two ask for it: one copy is enough.
+    #[inline(never)]
     pub fn new(settings: &Settings) -> Self {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).max(0.1);
         let at_rest_m = AT_REST * settings.rig.amplitude_m as f32;

@@ -17,8 +17,8 @@ impl Settings {
         self.check_calibrations()?;
         self.check_drive()?;
         self.check_limits()?;
-        self.check_trips()?;
         self.check_detection()?;
+        self.check_trips()?;
         self.check_aim()
     }
 
@@ -231,7 +231,7 @@ impl Settings {
                 "detection.on_n",
                 on_n,
                 on,
-                "at least 8 codes of the force sensor, at most limits.force_n and half of what a strong contact has",
+                "at least 8 codes of the force sensor, at most limits.force_n and half a strong contact's",
             ),
             (
                 "detection.off_n",

@@ -250,6 +250,7 @@ impl Plausibility {
 
     /// Whether contacts tell the same of the sensors as before. Nothing is made larger while they do not: a gain may have
     /// fallen just now, and the doubt is not there yet.
+    #[inline(never)]
     pub fn is_steady(&self) -> bool {
         self.momentum.is_steady()
     }
