@@ -10,9 +10,9 @@ use crate::settings::ticks_of;
 const REGAINED_PERIODS: u8 = 8;
 /// Times the limit without 1/1 after which a search that never comes to Hold ends, too.
 const SOUGHT: f32 = 2.0;
-/// The same share of it without a single contact since the start: a search has been where the hammer must strike by then, and what the
-/// force sensor does not show may be beyond the limits.
-const UNTOUCHED: f32 = 0.25;
+/// The same share of it without a single contact since the start, while a limit reduced the amplitude: what the force sensor does not show
+/// may be beyond the limit, and a search has been where the hammer must strike by then.
+const BLIND: f32 = 0.25;
 
 /// What the controller is doing, with what it needs for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,8 +101,9 @@ pub(super) struct Seeking {
     ticks_without_one_one: u32,
     /// Ticks in Seek since the last Hold.
     ticks_sought: u32,
-    /// Whether there has been a contact.
+    /// Whether there has been a contact, and ticks without one while a limit reduced the amplitude.
     touched: bool,
+    ticks_blind: u32,
     /// Drive periods in a row with one contact each.
     one_one_periods: u8,
 }
@@ -114,6 +115,7 @@ impl Seeking {
             ticks_without_one_one: 0,
             ticks_sought: 0,
             touched: false,
+            ticks_blind: 0,
             one_one_periods: 0,
         }
     }
@@ -132,8 +134,11 @@ impl Seeking {
     }
 
     /// A block has passed, in Hold or not. Whether there was no 1/1 for longer than `limit_s`, no Hold for [`SOUGHT`] times that, or not
-    /// one contact for [`UNTOUCHED`] of it.
-    pub fn has_failed(&mut self, ticks: u32, held: bool, limit_s: f32) -> bool {
+    /// one contact for [`BLIND`] of it while a limit reduced the amplitude (`limited`).
+    pub fn has_failed(&mut self, ticks: u32, held: bool, limited: bool, limit_s: f32) -> bool {
+        if limited && !self.touched {
+            self.ticks_blind = self.ticks_blind.saturating_add(ticks);
+        }
         self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
         self.ticks_sought = if held {
             0
@@ -142,7 +147,7 @@ impl Seeking {
         };
         self.ticks_without_one_one > ticks_of(limit_s)
             || self.ticks_sought > ticks_of(SOUGHT * limit_s)
-            || (!self.touched && self.ticks_sought > ticks_of(UNTOUCHED * limit_s))
+            || self.ticks_blind > ticks_of(BLIND * limit_s)
     }
 }
 
@@ -175,28 +180,29 @@ mod tests {
                 seeking.strobe(number);
             }
         };
-        assert!(
-            !seeking.has_failed(second / 4, false, 1.0),
-            "exactly a quarter"
-        );
-        assert!(seeking.has_failed(1, false, 1.0), "not one contact");
+        assert!(!seeking.has_failed(second / 2, false, false, 1.0));
+        assert!(!seeking.has_failed(second / 4, false, true, 1.0));
+        assert!(seeking.has_failed(1, false, true, 1.0), "not one contact");
         let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
-        assert!(!seeking.has_failed(second - 10, true, 1.0));
+        assert!(!seeking.has_failed(second - 10, true, false, 1.0));
         // Eight drive periods with one contact each bring it back.
         strobes(&mut seeking, [1; 8]);
         strobes(&mut seeking, [0; 8]);
-        assert!(!seeking.has_failed(second - 10, true, 1.0));
+        assert!(!seeking.has_failed(second - 10, true, false, 1.0));
         // Seven do not.
         strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 0]);
         strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 2]);
-        assert!(!seeking.has_failed(10, true, 1.0), "exactly the limit");
-        assert!(seeking.has_failed(1, true, 1.0));
-        assert!(seeking.has_failed(1, true, 1.0));
+        assert!(
+            !seeking.has_failed(10, true, false, 1.0),
+            "exactly the limit"
+        );
+        assert!(seeking.has_failed(1, true, false, 1.0));
+        assert!(seeking.has_failed(1, true, false, 1.0));
         // 1/1 that is never near its goal: Seek ends, and Hold begins its time anew.
         let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
         let mut passes = |ticks: u32, held: bool| {
             strobes(&mut seeking, [1; 8]);
-            seeking.has_failed(ticks, held, 1.0)
+            seeking.has_failed(ticks, held, false, 1.0)
         };
         assert!(!passes(second - 10, false) && !passes(second - 10, false));
         assert!(!passes(10, true));

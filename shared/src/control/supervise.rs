@@ -82,10 +82,11 @@ impl Controller {
     fn check_search(&mut self, ticks: u32) {
         let limit_s = self.settings.trips.regime_lost_s;
         let held = self.life.is_in(State::Hold);
+        let limited = !self.trim.limits().is_empty();
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
-        if seeking.has_failed(ticks, held, limit_s) {
+        if seeking.has_failed(ticks, held, limited, limit_s) {
             self.trip(Trip::system(Fault::RegimeLost, limit_s));
         }
     }

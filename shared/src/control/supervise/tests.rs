@@ -234,11 +234,10 @@ fn a_motor_runs_by_hand_only_and_is_stopped_at_once() {
 
 #[test]
 fn a_search_without_one_one_is_given_up_after_its_time() {
-    // Without a single contact it is a quarter of the time.
-    let mut rig = TestRig::with(|settings| settings.trips.regime_lost_s = 16.0);
+    let mut rig = TestRig::with(|settings| settings.trips.regime_lost_s = 10.0);
     rig.forecast(Some(target(3.6)));
     rig.starts(Mode::Automatic, State::Seek);
-    rig.pass(3.98);
+    rig.pass(9.98);
     assert_eq!(rig.controller.state(), State::Seek);
     rig.pass(0.04);
     let fault = rig.controller.fault().map(|record| record.fault);
