@@ -10,7 +10,7 @@ use crate::settings::ticks_of;
 const REGAINED_PERIODS: u8 = 8;
 /// Times the limit without 1/1 after which a search that never comes to Hold ends, too.
 const SOUGHT: f32 = 2.0;
-/// The same share of it without a single contact since the start, while a limit reduced the amplitude: what the force sensor does not show
+/// The same share of it without a single contact since the start, while a limit reduces the amplitude: what the force sensor does not show
 /// may be beyond the limit, and a search has been where the hammer must strike by then.
 const BLIND: f32 = 0.25;
 
@@ -101,9 +101,8 @@ pub(super) struct Seeking {
     ticks_without_one_one: u32,
     /// Ticks in Seek since the last Hold.
     ticks_sought: u32,
-    /// Whether there has been a contact, and ticks without one while a limit reduced the amplitude.
+    /// Whether there has been a contact.
     touched: bool,
-    ticks_blind: u32,
     /// Drive periods in a row with one contact each.
     one_one_periods: u8,
 }
@@ -115,7 +114,6 @@ impl Seeking {
             ticks_without_one_one: 0,
             ticks_sought: 0,
             touched: false,
-            ticks_blind: 0,
             one_one_periods: 0,
         }
     }
@@ -134,11 +132,8 @@ impl Seeking {
     }
 
     /// A block has passed, in Hold or not. Whether there was no 1/1 for longer than `limit_s`, no Hold for [`SOUGHT`] times that, or not
-    /// one contact for [`BLIND`] of it while a limit reduced the amplitude (`limited`).
+    /// one contact for [`BLIND`] of it and a limit reduces the amplitude (`limited`).
     pub fn has_failed(&mut self, ticks: u32, held: bool, limited: bool, limit_s: f32) -> bool {
-        if limited && !self.touched {
-            self.ticks_blind = self.ticks_blind.saturating_add(ticks);
-        }
         self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
         self.ticks_sought = if held {
             0
@@ -147,7 +142,7 @@ impl Seeking {
         };
         self.ticks_without_one_one > ticks_of(limit_s)
             || self.ticks_sought > ticks_of(SOUGHT * limit_s)
-            || self.ticks_blind > ticks_of(BLIND * limit_s)
+            || (limited && !self.touched && self.ticks_without_one_one > ticks_of(BLIND * limit_s))
     }
 }
 
@@ -180,8 +175,8 @@ mod tests {
                 seeking.strobe(number);
             }
         };
-        assert!(!seeking.has_failed(second / 2, false, false, 1.0));
         assert!(!seeking.has_failed(second / 4, false, true, 1.0));
+        assert!(!seeking.has_failed(1, false, false, 1.0), "nothing limited");
         assert!(seeking.has_failed(1, false, true, 1.0), "not one contact");
         let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
         assert!(!seeking.has_failed(second - 10, true, false, 1.0));
