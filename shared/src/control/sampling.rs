@@ -210,9 +210,9 @@ impl Controller {
         self.seek(strobe, arrived);
         // While a forecast of the rig as it is now is awaited, the last one contradicts nobody; nor does a frequency that a bound holds.
         if self.life.is_in(State::Hold) && !self.forecast.is_awaited() && !at_bound {
-            let (target_hz, _) = self.forecast.target_point();
+            let target = self.forecast.target_point();
             let hz = self.oscillator.frequency_hz();
-            if let Some(trip) = self.plausibility.held(strobe, hz, target_hz) {
+            if let Some(trip) = self.plausibility.held(strobe, hz, target) {
                 self.trip(trip);
                 return;
             }

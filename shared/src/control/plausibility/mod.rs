@@ -72,6 +72,8 @@ pub const ZERO_PERIODS: u8 = 4;
 pub const TARGET_SHARE: f32 = 0.2;
 /// Drive periods in a row beyond it that trip: longer than it takes a changed rig to be identified and forecast.
 pub const TARGET_PERIODS: u8 = 48;
+/// A motion with less of the target's force is another one: a hammer that leans on the surface chatters.
+const TARGET_FORCE: f32 = 0.5;
 /// The forecast is for the amplitude that was set: at one further from it, relative, nothing is judged.
 const TARGET_AMPLITUDE: f32 = 0.15;
 
@@ -223,13 +225,19 @@ impl Plausibility {
         trip(Origin::Hammer, ratio)
     }
 
-    /// A drive period of Hold has ended at `hz`, where the newest forecast has its target at `target_hz`. The frequency
+    /// A drive period of Hold has ended at `hz`, where the newest forecast has its target at `target_hz`, with `target_n`. The frequency
     /// follows the phase of the contacts against the measured cart: one that settles elsewhere has followed a cart's
     /// sensor that is late, or the rig is not the one believed.
-    pub fn held(&mut self, strobe: &Strobe, hz: f32, target_hz: f32) -> Option<Trip> {
+    pub fn held(
+        &mut self,
+        strobe: &Strobe,
+        hz: f32,
+        (target_hz, target_n): (f32, f32),
+    ) -> Option<Trip> {
         let share = hz / target_hz;
+        let is_it = strobe.peak_n >= TARGET_FORCE * target_n;
         let as_set = libm::fabsf(strobe.amplitude_m / self.amplitude_m - 1.0) <= TARGET_AMPLITUDE;
-        let off = libm::fabsf(share - 1.0) > TARGET_SHARE && as_set && target_hz > 0.0;
+        let off = libm::fabsf(share - 1.0) > TARGET_SHARE && as_set && is_it && target_hz > 0.0;
         let trips = run(&mut self.bad_targets, off, TARGET_PERIODS);
         trips.then_some(())?;
         trip(Origin::Cart, share)

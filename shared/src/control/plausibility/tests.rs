@@ -211,18 +211,24 @@ fn a_cart_that_follows_less_or_more_from_one_period_to_the_next_trips() {
 
 #[test]
 fn a_frequency_held_far_from_the_forecast_trips() {
-    for (hz, amplitude, target_hz, expected) in [
-        (1.205, 1.0, 1.0, Some(48)),
-        (0.795, 1.0, 1.0, Some(48)),
-        (1.195, 1.0, 1.0, None),
-        (0.805, 1.0, 1.0, None),
-        (1.205, 0.86, 1.0, Some(48)),
-        (1.205, 0.84, 1.0, None),
-        (1.205, 1.0, 0.0, None),
-        (1.205, 1.0, f32::NAN, None),
+    // The force is over the target's.
+    for (hz, amplitude, target_hz, force, expected) in [
+        (1.205, 1.0, 1.0, 1.0, Some(48)),
+        (0.795, 1.0, 1.0, 0.51, Some(48)),
+        (1.205, 1.0, 1.0, 0.49, None),
+        (1.195, 1.0, 1.0, 1.0, None),
+        (0.805, 1.0, 1.0, 1.0, None),
+        (1.205, 0.86, 1.0, 1.0, Some(48)),
+        (1.205, 0.84, 1.0, 1.0, None),
+        (1.205, 1.0, 0.0, 1.0, None),
+        (1.205, 1.0, f32::NAN, 1.0, None),
     ] {
-        let tripped = trips_after(|p| p.held(&strobe(amplitude, 0.1), 3.6 * hz, 3.6 * target_hz));
-        assert_eq!(tripped, expected, "{hz} {amplitude} {target_hz}");
+        let found = Strobe {
+            peak_n: force * 80.0,
+            ..strobe(amplitude, 0.1)
+        };
+        let tripped = trips_after(|p| p.held(&found, 3.6 * hz, (3.6 * target_hz, 80.0)));
+        assert_eq!(tripped, expected, "{hz} {amplitude} {target_hz} {force}");
     }
 }
 
@@ -331,7 +337,7 @@ fn a_start_begins_every_count_anew() {
         (15, |p, _, _| p.pulse(&contact(1.4))),
         (3, |p, limit_n, _| p.free_force((0.06 * limit_n, 1))),
         (15, |p, _, _| p.ratio(Some((1.3, 48)), true, 3.66)),
-        (47, |p, _, _| p.held(&strobe(1.0, 0.1), 4.5, 3.6)),
+        (47, |p, _, _| p.held(&strobe(1.0, 0.1), 4.5, (3.6, 0.0))),
     ];
     for (count, one) in counts {
         let mut plausibility = plausibility();
