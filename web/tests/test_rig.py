@@ -423,3 +423,25 @@ def test_web_serial(browser):
     page.wait_for_function("!window.truth.powered")
     page.wait_for_function("window.portClosed")
     context.close()
+
+
+def test_the_rig_is_seen_to_move_and_the_hammer_to_strike(opened):
+    page = emulated(opened, events=True, speed="5")
+    state(page, ["hold"])
+    page.wait_for_selector(".rig:visible .hammer.touches")
+    shot(page, "rig-moves")
+    caption = page.locator("figure:has(.rig):visible figcaption")
+
+    def seen():
+        captions = set()
+        for _ in range(10):
+            page.wait_for_timeout(100)
+            captions.add(caption.inner_text())
+        return captions
+
+    moving = seen()
+    assert len(moving) > 4 and all("hammer" in one for one in moving)
+    # Who wants no motion sees the newest moment, every few seconds another.
+    page.emulate_media(reduced_motion="reduce")
+    page.wait_for_timeout(200)
+    assert len(seen()) < 4

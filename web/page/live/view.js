@@ -4,6 +4,7 @@ import { Chart } from "../common/chart.js";
 import { element, fresh } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { SERIES } from "../common/colours.js";
+import { Picture } from "./picture.js";
 import { Scope } from "./scope.js";
 
 // How often the pictures are drawn, ms.
@@ -50,6 +51,7 @@ export class View {
     this.wrong = element("p", { role: "alert", class: "wrong" });
     this.gaps = element("p", { class: "note gaps" });
     this.scope = new Scope();
+    this.picture = new Picture((seconds, columns) => this.board.trace(seconds, columns), () => this.board && this.panel.offsetParent !== null);
     this.seconds = element("select", { onchange: () => this.drawScope() },
       ...[0.5, 1, 2, 5, 10].map((s) => element("option", { value: s, selected: s === 2 }, `${s} s`)));
     this.force = new Chart({ height: 200, label: "force per blow" });
@@ -62,7 +64,7 @@ export class View {
       element("div", { class: "live-grid" },
         element("section", { class: "panel", "aria-label": "state" }, element("h2", {}, "State"), element("div", { class: "scroll" }, this.facts), this.gaps),
         element("section", { class: "panel wide", "aria-label": "scope" },
-          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.scope.figure),
+          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.picture.figure, this.scope.figure),
         element("section", { class: "panel", "aria-label": "blows" }, element("h2", {}, "Blow by blow"), this.force.figure, this.phase.figure),
         element("section", { class: "panel", "aria-label": "spectrum" },
           element("div", { class: "row" }, element("h2", {}, "Spectrum"), element("label", {}, "of ", this.signal)), this.spectrum.figure),
@@ -217,6 +219,7 @@ export class View {
     this.enable();
     this.drawFacts();
     this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()));
+    this.picture.play();
     const blows = this.board.blows().slice(-60);
     const draw = (chart, title, y, value, colour) => chart.draw({
       title, x: "board's time, s", y, description: `${blows.length} blows`,

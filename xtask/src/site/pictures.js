@@ -5,3 +5,5 @@ for (const picture of document.querySelectorAll("article img")) {
   picture.replaceWith(link);
   link.append(picture);
 }
+// What is wider than the page can be scrolled by keys, too.
+for (const code of document.querySelectorAll("pre")) code.tabIndex = 0;

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// What drives the browser and runs the tests.
-const PACKAGES: &[&str] = &["playwright", "pytest"];
+const PACKAGES: &[&str] = &["axe-playwright-python", "playwright", "pytest"];
 
 /// The environment in `target/page`.
 pub fn environment() -> JobResult<PathBuf> {
