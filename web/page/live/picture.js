@@ -8,13 +8,15 @@ const COLUMNS = 1000;
 // A motion is drawn no larger than one of so many mm.
 const SMALLEST = 1;
 const [WIDTH, HEIGHT, HALF] = [600, 110, 120];
+// The inner side of the cart's wall, from the cart's middle.
+const WALL = 138;
 
 export class Picture {
   // `trace(seconds, columns)` is the board's scope; `seen` tells whether anybody looks.
   constructor(trace, seen) {
     this.trace = trace;
     this.seen = seen;
-    this.cart = svg("path", { d: `M-150 40 H150 V-40 H138 V28 H-150 Z`, class: "cart" });
+    this.cart = svg("path", { d: `M-150 40 H150 V-40 H${WALL} V28 H-150 Z`, class: "cart" });
     this.hammer = svg("rect", { x: -60, y: -20, width: 60, height: 40, class: "hammer" });
     this.said = element("figcaption", { class: "note" });
     this.drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": "cart and hammer, ten times slower", class: "rig" },
@@ -42,7 +44,7 @@ export class Picture {
     requestAnimationFrame((next) => this.frame(next));
   }
 
-  // Takes the last second, and the scale and the surface that suit it.
+  // Takes the last half second, and the scale and the surface that suit it.
   load(now) {
     this.began = now;
     this.values = this.trace(SECONDS, COLUMNS);
@@ -62,18 +64,17 @@ export class Picture {
   }
 
   at(column) {
-    const [, force, hammer0, hammer1, cart0, cart1] = this.values.subarray(2 + 6 * column, 8 + 6 * column);
-    return { force, hammer: (hammer0 + hammer1) / 2, cart: (cart0 + cart1) / 2 };
+    const [hammer0, hammer1, cart0, cart1] = this.values.subarray(4 + 6 * column, 8 + 6 * column);
+    return { hammer: (hammer0 + hammer1) / 2, cart: (cart0 + cart1) / 2 };
   }
 
   show(column) {
-    const { force, hammer, cart } = this.at(Math.min(column, this.columns() - 1));
+    const { hammer, cart } = this.at(Math.min(column, this.columns() - 1));
     if (Number.isNaN(hammer + cart)) return;
     const x = (mm) => WIDTH / 2 + mm * this.scale;
-    this.cart.setAttribute("transform", `translate(${x(cart + this.gap) - 138} ${HEIGHT / 2})`);
+    this.cart.setAttribute("transform", `translate(${x(cart + this.gap) - WALL} ${HEIGHT / 2})`);
     this.hammer.setAttribute("transform", `translate(${x(hammer)} ${HEIGHT / 2})`);
-    const touches = hammer - cart > 0.98 * this.gap - 0.02;
-    this.hammer.classList.toggle("touches", touches && force > 0);
+    this.hammer.classList.toggle("touches", hammer - cart > 0.98 * this.gap - 0.02);
     const [from] = this.values;
     const time = from + (column / COLUMNS) * SECONDS;
     const said = `${time.toFixed(3)} s, ten times slower: hammer ${hammer.toFixed(2)} mm, cart ${cart.toFixed(2)} mm`;

@@ -11,6 +11,7 @@ use shared::fault::Fault;
 mod healthy;
 mod lies;
 mod limits;
+mod peaks;
 mod rig;
 
 /// What truly happened in a run; its observer.
