@@ -48,13 +48,17 @@ export class Picture {
   load(now) {
     this.began = now;
     this.values = this.trace(SECONDS, COLUMNS);
-    let [far, gap] = [SMALLEST, 0];
+    let [far, gap, largest, sum] = [SMALLEST, 0, 0, 0];
     for (let column = 0; column < this.columns(); column += 1) {
-      const { hammer, cart } = this.at(column);
+      const { force, hammer, cart } = this.at(column);
       if (Number.isNaN(hammer + cart)) continue;
       far = Math.max(far, Math.abs(hammer), Math.abs(cart));
       gap = Math.max(gap, hammer - cart);
+      largest = Math.max(largest, force);
+      sum += Math.abs(force);
     }
+    // A blow stands out of the noise.
+    this.strikes = largest > 8 * (sum / this.columns());
     this.scale = HALF / far;
     this.gap = gap;
   }
@@ -64,8 +68,8 @@ export class Picture {
   }
 
   at(column) {
-    const [hammer0, hammer1, cart0, cart1] = this.values.subarray(4 + 6 * column, 8 + 6 * column);
-    return { hammer: (hammer0 + hammer1) / 2, cart: (cart0 + cart1) / 2 };
+    const [, force, hammer0, hammer1, cart0, cart1] = this.values.subarray(2 + 6 * column, 8 + 6 * column);
+    return { force, hammer: (hammer0 + hammer1) / 2, cart: (cart0 + cart1) / 2 };
   }
 
   show(column) {
@@ -74,7 +78,7 @@ export class Picture {
     const x = (mm) => WIDTH / 2 + mm * this.scale;
     this.cart.setAttribute("transform", `translate(${x(cart + this.gap) - WALL} ${HEIGHT / 2})`);
     this.hammer.setAttribute("transform", `translate(${x(hammer)} ${HEIGHT / 2})`);
-    this.hammer.classList.toggle("touches", hammer - cart > 0.98 * this.gap - 0.02);
+    this.hammer.classList.toggle("touches", this.strikes && hammer - cart > 0.98 * this.gap - 0.02);
     const [from] = this.values;
     const time = from + (column / COLUMNS) * SECONDS;
     const said = `${time.toFixed(3)} s, ten times slower: hammer ${hammer.toFixed(2)} mm, cart ${cart.toFixed(2)} mm`;
