@@ -106,7 +106,7 @@ fn rising(from: u64, percent: u64) -> impl Iterator<Item = u64> {
 
 #[test]
 fn a_limit_on_the_size_of_files_leaves_no_half_answer() {
-    let arguments = ["contact", "--out", "o"];
+    let arguments = ["contact", "--speed", "0.1:0.2:0.1", "--out", "o"];
     let refused = under("-f", rising(0, 150), &arguments, Some("cannot write"));
     assert!(refused >= 4, "{refused}");
 }

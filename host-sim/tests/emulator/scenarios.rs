@@ -238,11 +238,10 @@ impl RunObserver for Onsets {
 
 #[test]
 fn the_plants_own_force_search_gives_the_references_orbit_when_motion_is_prescribed() {
-    for rig in [WIRES, BEAM_150] {
-        let (_, top) = prescribed(&rig).unwrap();
-        let plant = Plant::prescribed(&rig, TICK_S).unwrap();
-        let force_n = held_force(plant, &rig, top.frequency_hz, top.section).unwrap();
-        let off = force_n / top.force_n - 1.0;
-        assert!(off.abs() < 1e-6, "{off:.1e}");
-    }
+    let rig = BEAM_150;
+    let (_, top) = prescribed(&rig).unwrap();
+    let plant = Plant::prescribed(&rig, TICK_S).unwrap();
+    let force_n = held_force(plant, &rig, top.frequency_hz, top.section).unwrap();
+    let off = force_n / top.force_n - 1.0;
+    assert!(off.abs() < 1e-6, "{off:.1e}");
 }

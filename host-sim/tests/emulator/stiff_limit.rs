@@ -120,7 +120,7 @@ fn regime_of_plant(params: &RigParams, hz: f64) -> Regime {
     plant.set_state(on_the_sine(params, hz, rest(params), 0.0));
     let scale = plant.bodies().rig.coordinate_scale();
     let mut detector = Detector::new(scale, scale * std::f64::consts::TAU * hz);
-    for cycle in 0..400 {
+    for cycle in 0..200 {
         let mut period = Period::<f64>::default();
         for k in 0..per_period as u64 {
             let before = plant.bodies().mode;
@@ -130,7 +130,7 @@ fn regime_of_plant(params: &RigParams, hz: f64) -> Regime {
             period.onsets += u16::from(onset);
             period.touched |= plant.touched();
         }
-        if cycle >= 350 {
+        if cycle >= 150 {
             detector.push(plant.state().q, plant.state().v, &period);
         }
     }
@@ -144,10 +144,10 @@ fn regimes_are_the_references() {
         let mut hammer = Reference::<f64>::at_rest(&params, hz).unwrap();
         let scale = hammer.rig().coordinate_scale();
         let mut detector = Detector::new(scale, scale * std::f64::consts::TAU * hz);
-        for cycle in 0..400 {
+        for cycle in 0..200 {
             let period = hammer.run_period(&mut ());
             let (q, v) = hammer.state();
-            if cycle >= 350 {
+            if cycle >= 150 {
                 detector.push(q, v, &period);
             }
         }

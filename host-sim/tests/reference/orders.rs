@@ -130,7 +130,7 @@ fn the_smoothing_method_converges_on_a_periodic_point_if_the_step_follows() {
             epsilon_alpha: epsilon_m,
             epsilon_beta: epsilon_m * 1e7,
         };
-        orbit_error(&orbit, smoothed, tick_s, 10)
+        orbit_error(&orbit, smoothed, tick_s, 4)
     };
     let errors = [1e-6, 2.5e-7, 6.25e-8].map(|epsilon_m| at(epsilon_m, FINEST_S));
     println!("{errors:?} coarse {}", at(6.25e-8, 50e-6));

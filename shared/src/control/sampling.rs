@@ -105,6 +105,10 @@ impl Controller {
             let hammer_m = sample.hammer_m - self.sense.rest_relative_m();
             let from_rest = Sample { hammer_m, ..sample };
             self.rig.identification.flight(&from_rest, in_contact);
+            let relative_m = hammer_m - sample.cart_m;
+            if self.plausibility.is_past_the_surface(relative_m) {
+                self.seen.ticks_without_contact = 0;
+            }
             if let Some(pulse) = found.pulse {
                 self.pulse(&pulse);
             }

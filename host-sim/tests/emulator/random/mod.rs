@@ -28,7 +28,7 @@ use draw::Kind;
 use watch::Watch;
 
 /// Scenarios run where the environment does not say: with `LONG_CHECKS`, and without.
-const CASES: (u64, u64) = (100, 40);
+const CASES: (u64, u64) = (100, 20);
 
 /// Draws with which the controller fails today: holes that are known and not mended yet. A kind moves from here to
 /// [`MENDED`] with the mend that closes it.
@@ -194,7 +194,8 @@ fn every_kind_of_draw_is_mended_or_an_open_hole() {
 #[test]
 fn a_controller_that_watches_nothing_is_found_out() {
     let short = |number: &u64| number % draw::LONG != draw::LONG - 1;
-    let numbers: Vec<u64> = (0..80).filter(short).collect();
+    let numbers: Vec<u64> = (0..40).filter(short).collect();
+    let tried = numbers.len();
     let found = numbers.into_par_iter().filter(|number| {
         let kinds = [Kind::ByHand, Kind::Armature];
         let scenario = draw::scenario(*number, &kinds);
@@ -205,8 +206,8 @@ fn a_controller_that_watches_nothing_is_found_out() {
         watch.wrong.is_some_and(|why| why.contains("true"))
     });
     let found = found.count();
-    println!("{found} of 60");
-    assert!(found >= 6, "{found} of 60");
+    println!("{found} of {tried}");
+    assert!(10 * found >= tried, "{found} of {tried}");
 }
 
 /// Commands before and after resets within one block of 32 ticks, in every order of four.

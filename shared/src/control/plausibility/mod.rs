@@ -82,6 +82,10 @@ pub const FAR_PULSES: u8 = 3;
 /// Distance of the hammer from the surface at a contact, m.
 pub const FAR_M: f32 = 1.5e-3;
 
+/// How far beyond the surface, m, and how many ticks in a row, a hammer swings that finds none there: more than a soft surface gives way.
+const PAST_M: f32 = 0.5e-3;
+const PAST_TICKS: u8 = 20;
+
 /// The checks and their counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
@@ -94,6 +98,7 @@ pub struct Plausibility {
     bad_zeros: u8,
     bad_targets: u8,
     far_pulses: u8,
+    ticks_past: u8,
     bad_ratios: u8,
     still: u8,
     momentum: Momentum,
@@ -119,6 +124,7 @@ impl Plausibility {
             bad_zeros: 0,
             bad_targets: 0,
             far_pulses: 0,
+            ticks_past: 0,
             bad_ratios: 0,
             still: 0,
             momentum: Momentum::new(settings),
@@ -146,6 +152,18 @@ impl Plausibility {
     /// Where the last contacts have found the surface, m: one that recedes slowly is followed.
     pub fn believe_surface(&mut self, surface_m: f32) {
         self.surface_m = Some(surface_m);
+    }
+
+    /// A tick with the hammer at `relative_m` from the cart. Whether it swings freely past where the surface should be: that has receded,
+    /// and no contact is missing.
+    #[inline]
+    pub fn is_past_the_surface(&mut self, relative_m: f32) -> bool {
+        let surface_m = self.surface_m.unwrap_or(self.gap_set_m);
+        run(
+            &mut self.ticks_past,
+            relative_m > surface_m + PAST_M,
+            PAST_TICKS,
+        )
     }
 
     /// A contact has ended.
