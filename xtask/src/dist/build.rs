@@ -43,6 +43,15 @@ impl Linking {
         Ok(Self { environment, zig })
     }
 
+    /// What the program needs of the system, as the end of a sentence.
+    pub fn needs(&self) -> String {
+        if self.zig {
+            format!("needs glibc {GLIBC} or newer")
+        } else {
+            "needs a system as new as the one it was built on".into()
+        }
+    }
+
     /// A command with the environment's programs in the path, and no folder of this machine in what is built.
     fn prepared(&self, mut command: Command) -> JobResult<Command> {
         let inherited = std::env::var_os("PATH").unwrap_or_default();

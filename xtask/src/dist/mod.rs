@@ -3,7 +3,6 @@
 
 mod archive;
 mod build;
-mod glibc;
 mod licences;
 
 use std::{
@@ -74,7 +73,8 @@ fn whole() -> JobResult {
         archive::write(&path, &fs::read(page)?)?;
         handed_out.push(path);
     }
-    let files = files(&program, &licences, page.as_deref())?;
+    let needs = linking.needs();
+    let files = files(&program, &licences, page.as_deref(), &needs)?;
     let path = part.join(format!("{}.tar.gz", name(&target)));
     archive::write(&path, &files.archive(&name(&target), seconds)?)?;
     handed_out.push(path);
@@ -84,7 +84,7 @@ fn whole() -> JobResult {
         archive::sums(&handed_out)?.as_bytes(),
     )?;
 
-    println!("\n{}", about(&program)?);
+    println!("\nthe program {needs}");
     println!("{}", wheel_tried(&handed_out)?);
     fs::rename(&part, &place)?;
     for file in fs::read_dir(&place)? {
@@ -101,7 +101,7 @@ fn name(target: &str) -> String {
 }
 
 /// What stands in the archive.
-fn files(program: &Path, licences: &str, page: Option<&Path>) -> JobResult<Files> {
+fn files(program: &Path, licences: &str, page: Option<&Path>, needs: &str) -> JobResult<Files> {
     let mut files = Files::default();
     files.add_program(
         format!("bin/host-sim{}", std::env::consts::EXE_SUFFIX),
@@ -123,7 +123,7 @@ fn files(program: &Path, licences: &str, page: Option<&Path>) -> JobResult<Files
     }
     files.add_folder("docs", &root().join("docs"))?;
     files.add("LICENSES-OF-DEPENDENCIES.txt", licences);
-    files.add("INSTALL.txt", install(program)?);
+    files.add("INSTALL.txt", install(needs));
     if let Some(page) = page {
         files.add("vibroimpact.html", fs::read(page)?);
     }
@@ -137,30 +137,15 @@ const COMPLETIONS: &[(&str, &str)] = &[
     ("fish", "share/fish/vendor_completions.d/host-sim.fish"),
 ];
 
-fn install(program: &Path) -> JobResult<String> {
-    Ok(format!(
-        "bin/host-sim runs from wherever it stands; it {}.\n\n\
+fn install(needs: &str) -> String {
+    format!(
+        "bin/host-sim runs from wherever it stands; it {needs}.\n\n\
          To have it in the path, with its manual and the completions of the shell, for all users of the machine:\n\n    \
          sudo cp -r bin share /usr/local/\n\n\
          For yourself alone, with ~/.local/bin in the path:\n\n    \
          cp -r bin share ~/.local/\n\n\
-         Begin with README.md.\n",
-        needs(program)?
-    ))
-}
-
-fn needs(program: &Path) -> JobResult<String> {
-    if !cfg!(target_os = "linux") {
-        return Ok("needs nothing but the system".into());
-    }
-    Ok(match glibc::needed(&fs::read(program)?)? {
-        Some(version) => glibc::words(version),
-        None => "needs no C library".into(),
-    })
-}
-
-fn about(program: &Path) -> JobResult<String> {
-    Ok(format!("the program {}", needs(program)?))
+         Begin with README.md.\n"
+    )
 }
 
 /// The wheel in an environment with nothing else in it.
@@ -206,7 +191,8 @@ fn check(build: &Build) -> JobResult {
     let target = build::target()?;
     let licences = licences::gather(&target)?;
     let program = desktop::program("host-sim", build)?;
-    let files = files(&program, &licences, None)?;
+    let needs = "is the program of the tests";
+    let files = files(&program, &licences, None, needs)?;
     if let Some(missing) = EXPECTED
         .iter()
         .find(|&&path| !files.paths().any(|there| there == path))
@@ -215,15 +201,14 @@ fn check(build: &Build) -> JobResult {
     }
     let seconds = archive::time()?;
     let once = files.archive(&name(&target), seconds)?;
-    let again = self::files(&program, &licences, None)?.archive(&name(&target), seconds)?;
+    let again = self::files(&program, &licences, None, needs)?.archive(&name(&target), seconds)?;
     if once != again {
         return Err("packed twice, the same program gives two archives".into());
     }
     println!(
-        "{} files, {:.1} MB, the same bytes twice; {}",
+        "{} files, {:.1} MB, the same bytes twice",
         files.paths().count(),
         once.len() as f64 / 1e6,
-        about(&program)?
     );
     Ok(())
 }
