@@ -80,7 +80,7 @@ fn the_examples_of_every_help_run() {
                 "rig" => std::fs::remove_file(folder.path("mine.toml")).unwrap(),
                 _ => std::fs::write(folder.path("mine.toml"), "preset = \"wires\"\n").unwrap(),
             }
-            let mut shell = std::process::Command::new("timeout");
+            let mut shell = std::process::Command::new("/usr/bin/timeout");
             shell
                 .args(["0.4", "/bin/sh", "-c", line])
                 .current_dir(folder.path(""))

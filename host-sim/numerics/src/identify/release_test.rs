@@ -19,7 +19,7 @@ fn bias(spread: bool) -> (f64, f64) {
         seek_release: true,
         ..SearchSettings::DEFAULT
     };
-    let off: Vec<f64> = (1..=20_u64)
+    let off: Vec<f64> = (1..=36_u64)
         .into_par_iter()
         .map(|k| {
             let test = DropTest {

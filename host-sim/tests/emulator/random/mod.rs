@@ -28,7 +28,7 @@ use draw::Kind;
 use watch::Watch;
 
 /// Scenarios run where the environment does not say: with `LONG_CHECKS`, and without.
-const CASES: (u64, u64) = (100, 20);
+const CASES: (u64, u64) = (100, 30);
 
 /// Draws with which the controller fails today: holes that are known and not mended yet. A kind moves from here to
 /// [`MENDED`] with the mend that closes it.

@@ -154,16 +154,12 @@ impl Plausibility {
         self.surface_m = Some(surface_m);
     }
 
-    /// A tick with the hammer at `relative_m` from the cart. Whether it swings freely past where the surface should be: that has receded,
-    /// and no contact is missing.
+    /// A tick with the hammer at `relative_m` from the cart. Whether, before the first contacts tell where the surface is, it swings freely
+    /// past where it was set: that has receded, and no contact is missing.
     #[inline]
     pub fn is_past_the_surface(&mut self, relative_m: f32) -> bool {
-        let surface_m = self.surface_m.unwrap_or(self.gap_set_m);
-        run(
-            &mut self.ticks_past,
-            relative_m > surface_m + PAST_M,
-            PAST_TICKS,
-        )
+        let past = self.surface_m.is_none() && relative_m > self.gap_set_m + PAST_M;
+        run(&mut self.ticks_past, past, PAST_TICKS)
     }
 
     /// A contact has ended.
