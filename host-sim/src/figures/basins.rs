@@ -2,10 +2,8 @@
 
 use super::{Effort, FiguresPart, Page};
 use crate::pictures::basins::parts;
-use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
 use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, cells, explore};
 use numerics::engine::Engine;
@@ -70,26 +68,17 @@ fn page(
     let rig = points.first().map_or("", |p| p.rig);
     let title = format!("Basins of attraction, {rig}: impact / no impact");
     let picture = parts(format!("Figure {figure}: {title}"), &found);
-    let stem = format!("figure-{}", figure.replace('.', "-"));
-    let mut files = drawn(&stem, &picture)?;
+    let command = points.first().map_or(String::new(), |p| {
+        format!(
+            "host-sim basins --rig {rig} --cart prescribed --ratio {} --gap-ratio {} --out DIR",
+            p.ratio, p.gap_over_amplitude
+        )
+    });
+    let mut page = Page::new(figure, title, command, &picture)?;
     for (point, (_, basins)) in points.iter().zip(&found) {
-        files.push((
-            format!("{stem}{}.csv", point.part),
-            to_csv(&cells::rows(basins)),
-        ));
+        page = page.table(point.part, &cells::rows(basins));
     }
-    Ok(vec![Page {
-        figure,
-        title,
-        note: String::new(),
-        command: points.first().map_or(String::new(), |p| {
-            format!(
-                "host-sim basins --rig {rig} --cart prescribed --ratio {} --gap-ratio {} --out DIR",
-                p.ratio, p.gap_over_amplitude
-            )
-        }),
-        files,
-    }])
+    Ok(vec![page])
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use shared::model::params::RigParams;
 
-use super::section::{files, rig};
+use super::section::rig;
 use super::{Effort, Page};
 use crate::pictures::bifurcation::{Abscissa, VerticalQuantity, View, figure, panel};
 use crate::progress::ProgressLine;
@@ -144,48 +144,29 @@ fn wires_pages(
     detail: &Detail,
 ) -> Result<Vec<Page>, UserError> {
     let gap = what.gap_mm;
-    let page = |k: usize, title: &str, command: String, files| Page {
-        figure: what.numbers[k],
-        title: format!("Wires, {gap:?} mm: {title}"),
-        note: String::new(),
-        command,
-        files,
+    let page = |k: usize, title: &str, command: &str, picture: &Figure| {
+        let title = format!("Wires, {gap:?} mm: {title}");
+        Page::new(what.numbers[k], title, command, picture)
     };
     let (from, to) = detail.range;
-    let zoom_command = format!(
-        "host-sim bifurcation --rig wires --cart prescribed --gap {gap:?} --ratio {from:.4}:{to:.4}:{:.5}",
-        detail.step
-    );
-    let zoomed = |k: usize, quantity| {
+    let command = format!("host-sim bifurcation --rig wires --cart prescribed --gap {gap:?}");
+    let zoom_command = format!("{command} --ratio {from:.4}:{to:.4}:{:.5}", detail.step);
+    let zoomed = |k: usize, title: &str, quantity| {
+        let page = page(k, title, &zoom_command, &zoom(detail, gap, quantity))?;
         let table = rows(std::slice::from_ref(&detail.diagram));
-        files(what.numbers[k], &zoom(detail, gap, quantity), &table)
+        Ok::<_, UserError>(page.table("", &table))
     };
     let lean: Vec<_> = whole.iter().collect();
+    let first = page(
+        0,
+        "bifurcation diagrams of displacement and force",
+        &format!("{command} --direction all"),
+        &figure(&lean, Abscissa::Ratio, None),
+    )?;
     Ok(vec![
-        page(
-            0,
-            "bifurcation diagrams of displacement and force",
-            format!(
-                "host-sim bifurcation --rig wires --cart prescribed --gap {gap:?} --direction all"
-            ),
-            files(
-                what.numbers[0],
-                &figure(&lean, Abscissa::Ratio, None),
-                &rows(whole),
-            )?,
-        ),
-        page(
-            1,
-            "displacement, detail",
-            zoom_command.clone(),
-            zoomed(1, VerticalQuantity::Displacement)?,
-        ),
-        page(
-            2,
-            "impact force, detail",
-            zoom_command,
-            zoomed(2, VerticalQuantity::Force)?,
-        ),
+        first.table("", &rows(whole)),
+        zoomed(1, "displacement, detail", VerticalQuantity::Displacement)?,
+        zoomed(2, "impact force, detail", VerticalQuantity::Force)?,
     ])
 }
 
@@ -317,17 +298,13 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
             let title = format!("{letter}) gap {:?} mm", diagram.gap_mm);
             figure = figure.panel(panel(&[diagram], view).without_legend().titled(title));
         }
-        Ok(Page {
-            figure: number,
-            title: format!(
-                "{name}: bifurcation diagrams of the displacement, gaps 0.0, 1.0 and 3.0 mm"
-            ),
-            note: String::new(),
-            command: format!(
-                "host-sim bifurcation --rig {name} --cart prescribed --gap 0 --gap 1 --gap 3"
-            ),
-            files: files(number, &figure, &rows(&found))?,
-        })
+        let page = Page::new(
+            number,
+            format!("{name}: bifurcation diagrams of the displacement, gaps 0.0, 1.0 and 3.0 mm"),
+            format!("host-sim bifurcation --rig {name} --cart prescribed --gap 0 --gap 1 --gap 3"),
+            &figure,
+        )?;
+        Ok(page.table("", &rows(&found)))
     };
     named.into_iter().map(page).collect()
 }

@@ -4,13 +4,11 @@
 use shared::model::contact::{LawKind, TABLE_3_1};
 use shared::model::params::{RigParams, WIRES};
 
-use super::{Effort, Page, stem};
+use super::{Effort, Page};
 use crate::pictures;
 use crate::pictures::contact_law::{blows, grid, over_speed};
-use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
 use numerics::contact_law::{ContactFigures, FIGURE_3_3, FIGURE_3_3_MASS_KG, all_laws, rows};
 use numerics::drop_test::{DropTest, record};
 use numerics::identify::{IdentifiedFit, MeasuredImpacts, Misfit, SearchSettings, fit, measure};
@@ -38,12 +36,6 @@ pub fn drop_pages(_: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
     pages
 }
 
-fn files(name: &str, figure: &Figure, csv: Vec<u8>) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    let mut files = drawn(name, figure)?;
-    files.push((format!("{name}.csv"), csv));
-    Ok(files)
-}
-
 /// The force of the spring-dashpot over an impact, which the chapter draws by hand.
 fn figure_3_2() -> Result<Page, UserError> {
     let seen = rows("spring-dashpot", TABLE_3_1, WIRES.mass_kg, &[USUAL_SPEED])?;
@@ -55,13 +47,13 @@ fn figure_3_2() -> Result<Page, UserError> {
         ),
         blows(WIRES.mass_kg, &[drawn])?,
     );
-    Ok(Page {
-        figure: "3.2",
-        title: "Spring-dashpot: the force over an impact".into(),
-        note: String::new(),
-        command: "host-sim contact --law own --speed 0.08:0.08:0.01".into(),
-        files: files(&stem("3.2"), &figure, to_csv(&seen))?,
-    })
+    let page = Page::new(
+        "3.2",
+        "Spring-dashpot: the force over an impact",
+        "host-sim contact --law own --speed 0.08:0.08:0.01",
+        &figure,
+    )?;
+    Ok(page.table("", &seen))
 }
 
 /// Force and acceleration of a first impact, which the chapter measured: a synthetic one.
@@ -87,19 +79,15 @@ fn figure_3_8() -> Result<Page, UserError> {
             .without_legend()
             .item(plot::Item::line(axis, plot::Color::BLUE, points.collect()))
     };
-    let figure = Figure::new("First impact of a drop test: force and acceleration")
+    let title = "First impact of a drop test: force and acceleration";
+    let figure = Figure::new(title)
         .subtitle("Synthetic: wires, let go at -3 mm, Table 3.1, the surface ringing at 3 kHz with half the peak. Not measured.")
         .columns(2)
         .size(1200, 560)
         .panel(over("force, N", |row| row.force_n))
         .panel(over("acceleration, m/s²", |row| row.acceleration_m_per_s2));
-    Ok(Page {
-        figure: "3.8",
-        title: "First impact of a drop test: force and acceleration".into(),
-        note: String::new(),
-        command: "host-sim drop --impacts 1 --ringing 0.5".into(),
-        files: files(&stem("3.8"), &figure, to_csv(&rows))?,
-    })
+    let command = "host-sim drop --impacts 1 --ringing 0.5";
+    Ok(Page::new("3.8", title, command, &figure)?.table("", &rows))
 }
 
 /// Assumed, as the chapter does not print the speeds of its curves.
@@ -116,13 +104,8 @@ fn figure_3_3() -> Result<Page, UserError> {
         "m = 2 kg, ki = 2.1e8, n = 1.6, λ = 0.6 s/m. Onset is at the top of the phase plane, release at its bottom.".into(),
         blows(FIGURE_3_3_MASS_KG, &blows_drawn)?,
     );
-    Ok(Page {
-        figure: "3.3",
-        title: "Impact of a rigid mass on a rigid wall, Hunt-Crossley".into(),
-        note: String::new(),
-        command: "host-sim contact --figure-3-3".into(),
-        files: files(&stem("3.3"), &figure, to_csv(&seen))?,
-    })
+    let title = "Impact of a rigid mass on a rigid wall, Hunt-Crossley";
+    Ok(Page::new("3.3", title, "host-sim contact --figure-3-3", &figure)?.table("", &seen))
 }
 
 /// A typical approach speed of the rig.
@@ -148,13 +131,13 @@ fn laws() -> Result<Page, UserError> {
         ),
         panels,
     );
-    Ok(Page {
-        figure: "contact laws",
-        title: "The contact laws: force, pull, restitution over speed".into(),
-        note: String::new(),
-        command: "host-sim contact --speed 0.01:0.3:0.01".into(),
-        files: files(&stem("contact laws"), &figure, to_csv(&seen))?,
-    })
+    let page = Page::new(
+        "contact laws",
+        "The contact laws: force, pull, restitution over speed",
+        "host-sim contact --speed 0.01:0.3:0.01",
+        &figure,
+    )?;
+    Ok(page.table("", &seen))
 }
 
 /// Number, release in mm, seed of the two drop tests. The chapter releases at "3 mm (approximately)", and once more
@@ -188,8 +171,7 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
     let calm = synthetic(&WIRES, &calm, &settings)?;
     let calm = fit(&calm, &WIRES, law, Misfit::Peaks, &settings)?;
     let note = found(&peaks, &force, &calm);
-    let name = stem(number);
-    let impacts = to_csv(&peaks.impacts);
+    let impacts = peaks.impacts.clone();
     let figure = pictures::identify::figure(
         format!("Drop test from {release_mm} mm, spring-dashpot"),
         format!(
@@ -198,15 +180,15 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
         &measured,
         &[peaks, force],
     );
-    Ok(Page {
-        figure: number,
-        title: format!("Contact parameters from a drop test, let go at {release_mm} mm"),
-        note,
-        command: format!(
+    let page = Page::new(
+        number,
+        format!("Contact parameters from a drop test, let go at {release_mm} mm"),
+        format!(
             "host-sim drop --release-mm {release_mm} --noise-n {NOISE_N} --ringing 0.5 --seed {seed} --format csv > drop.csv; host-sim identify drop.csv"
         ),
-        files: files(&name, &figure, impacts)?,
-    })
+        &figure,
+    )?;
+    Ok(page.table("", &impacts).noted(note))
 }
 
 fn synthetic(
@@ -251,6 +233,7 @@ fn found(peaks: &IdentifiedFit, force: &IdentifiedFit, calm: &IdentifiedFit) -> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::stem;
     use super::*;
 
     #[test]

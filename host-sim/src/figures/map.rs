@@ -12,7 +12,6 @@ use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use crate::words;
 use files::UserError;
-use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
@@ -22,7 +21,6 @@ use numerics::map::{
 };
 use numerics::row::Outcome;
 use numerics::sweep::{Direction, spread};
-use plot::Figure;
 
 /// The region the chapter calls unstable: Ω/ω and gap/A0 of the details.
 const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
@@ -33,21 +31,11 @@ const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     let map = effort_map("wires", effort, progress)?;
-    let first = Page {
-        figure: "3.24",
-        title: "Wires: Peterka map".to_owned(),
-        note: String::new(),
-        command: "host-sim map --rig wires --cart prescribed --out out".to_owned(),
-        files: with_cells("3.24", &pictures::map::regimes(&map), &map)?,
-    };
+    let command = "host-sim map --rig wires --cart prescribed --out out";
     Ok(vec![
-        first,
+        with_cells("3.24", "Wires: Peterka map".to_owned(), command, &map)?,
         measured(&map)?,
-        by_force(
-            "3.26",
-            &map,
-            "host-sim map --rig wires --cart prescribed --out out",
-        )?,
+        by_force("3.26", &map, command)?,
     ])
 }
 
@@ -70,16 +58,12 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
         let fine = detail_map(rig, effort, progress)?;
         let named = basins.map(|(ratio, gap)| (ratio, gap, format!("basin {ratio:.2}, {gap:.2}")));
         let detail = pictures::map::detail(&fine, DETAIL.0, DETAIL.1, &named);
-        let mut files = with_cells(regimes, &pictures::map::regimes(&map), &map)?;
-        files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
         let command = format!("host-sim map --rig {rig} --cart prescribed --out out");
-        pages.push(Page {
-            figure: regimes,
-            title: format!("{rig}: Peterka map, and its detail between 1/1 and 1/2"),
-            note: String::new(),
-            command: command.clone(),
-            files,
-        });
+        let title = format!("{rig}: Peterka map, and its detail between 1/1 and 1/2");
+        let mut page = with_cells(regimes, title, &command, &map)?;
+        let name = format!("{}-detail", stem(regimes));
+        page.files.extend(drawn(&name, &detail)?);
+        pages.push(page);
         pages.push(by_force(force, &map, &command)?);
         maps.push(map);
     }
@@ -115,24 +99,20 @@ pub fn switch_model(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>
     let exact = by(Runner::Reference)?;
     let switch = by(Runner::Switch(Setting::corrected_f32(5e-5)))?;
     let agreement = Agreement::of(exact.cells.iter().zip(&switch.cells));
-    let stem = stem("switch-map");
-    let figure = pictures::map::differences(&exact, &switch, "the switch model (f32, 50 µs)");
-    let mut files = drawn(&stem, &figure)?;
-    files.push((
-        format!("{stem}-exact.csv"),
-        to_csv(&exact.rows().collect::<Vec<_>>()),
-    ));
-    files.push((
-        format!("{stem}-switch.csv"),
-        to_csv(&switch.rows().collect::<Vec<_>>()),
-    ));
-    Ok(vec![Page {
-        figure: "switch-map",
-        title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
-        note: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
-        command: "host-sim map --rig wires --cart prescribed --against switch --out out".to_owned(),
-        files,
-    }])
+    let page = Page::new(
+        "switch-map",
+        "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree",
+        "host-sim map --rig wires --cart prescribed --against switch --out out",
+        &pictures::map::differences(&exact, &switch, "the switch model (f32, 50 µs)"),
+    )?;
+    let note = format!(
+        "Wires, {} cells of {cycles} cycles: {}.",
+        exact.cells.len(),
+        words::map::agreement(&agreement)
+    );
+    let page = page.table("-exact", &exact.rows().collect::<Vec<_>>());
+    let page = page.table("-switch", &switch.rows().collect::<Vec<_>>());
+    Ok(vec![page.noted(note)])
 }
 
 fn request(rig: NamedRig, grid: Grid, plan: CellPlan, runner: Runner) -> MapRequest {
@@ -219,18 +199,16 @@ fn counts(map: &Map) -> Vec<Count> {
     shares.map(count).collect()
 }
 
-/// The picture, the number of cells of each regime, and every cell.
+/// The page of a map by its regimes: the picture, the number of cells of each regime, and every cell.
 fn with_cells(
-    figure: &str,
-    picture: &Figure,
+    figure: &'static str,
+    title: String,
+    command: &str,
     map: &Map,
-) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    let stem = stem(figure);
-    let mut files = drawn(&stem, picture)?;
-    files.push((format!("{stem}-regimes.csv"), to_csv(&counts(map))));
+) -> Result<Page, UserError> {
+    let page = Page::new(figure, title, command, &pictures::map::regimes(map))?;
     let rows: Vec<_> = map.rows().collect();
-    files.push((format!("{stem}-cells.csv"), to_csv(&rows)));
-    Ok(files)
+    Ok(page.table("-regimes", &counts(map)).table("-cells", &rows))
 }
 
 /// Of the cells above 1.5 A0 between the upper end of 1/1 and Ω/ω = 2 (the chapter's "instability region"), those that
@@ -275,21 +253,19 @@ fn measured(map: &Map) -> Result<Page, UserError> {
         Some((*gap_mm, ratio * natural_hz, regime))
     });
     let seen: Vec<_> = named.collect();
-    let stem = stem("3.25");
-    let mut files = drawn(&stem, &pictures::map::with_points(map, &seen))?;
+    let mut page = Page::new(
+        "3.25",
+        "Wires: Peterka map with the chapter's measured operating points",
+        "host-sim map --rig wires --cart prescribed --measured figure-3-25.csv --out out",
+        &pictures::map::with_points(map, &seen),
+    )?;
     let mut table = String::from("gap_mm,frequency_hz,regime\n");
     for (gap, hz, regime) in seen {
         table += &format!("{gap},{hz},{regime}\n");
     }
-    files.push((format!("{stem}.csv"), table.into_bytes()));
-    Ok(Page {
-        figure: "3.25",
-        title: "Wires: Peterka map with the chapter's measured operating points".to_owned(),
-        note: "No table of measured points is public. Drawn are the points whose regime the chapter's text names (figures 3.17, 3.18, 3.19 and 3.21). Your own: --measured FILE.csv.".to_owned(),
-        command: "host-sim map --rig wires --cart prescribed --measured figure-3-25.csv --out out"
-            .to_owned(),
-        files,
-    })
+    let name = format!("{}.csv", stem("3.25"));
+    page.files.push((name, table.into_bytes()));
+    Ok(page.noted("No table of measured points is public. Drawn are the points whose regime the chapter's text names (figures 3.17, 3.18, 3.19 and 3.21). Your own: --measured FILE.csv.".to_owned()))
 }
 
 /// The three beams side by side.
@@ -300,18 +276,16 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
     }
     let lines: Vec<String> = found.iter().map(words::map::similarity).collect();
     let text = format!("{}.", lines.join("; "));
-    let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();
-    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &text))?;
-    files.push((
-        format!("{stem}.json"),
+    let mut page = Page::new(
+        "beams-alike",
+        "The three beams' maps side by side, over Ω/ω and gap/A0",
+        "host-sim map --beams --cart prescribed --out out",
+        &pictures::map::side_by_side(&maps, &text),
+    )?;
+    page.files.push((
+        format!("{}.json", stem("beams-alike")),
         serde_json::to_vec_pretty(&found).unwrap_or_default(),
     ));
-    Ok(Page {
-        figure: "beams-alike",
-        title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
-        note: text,
-        command: "host-sim map --beams --cart prescribed --out out".to_owned(),
-        files,
-    })
+    Ok(page.noted(text))
 }

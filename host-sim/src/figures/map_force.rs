@@ -2,11 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Page, stem};
+use super::Page;
 use crate::pictures;
-use crate::pictures::drawn;
 use files::UserError;
-use files::table::to_csv;
 use numerics::map::Map;
 
 /// The strongest 1/1 of a gap.
@@ -60,15 +58,7 @@ pub fn at_edge(map: &Map, row: &StrongestOfGap) -> bool {
 
 /// The page of a map of 1/1 by its force: figures 3.26, 3.47, 3.49 and 3.51.
 pub fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, UserError> {
-    let rows = strongest_rows(map);
-    let stem = stem(figure);
-    let mut files = drawn(&stem, &pictures::map::by_force(map))?;
-    files.push((format!("{stem}.csv"), to_csv(&rows)));
-    Ok(Page {
-        figure,
-        title: format!("{}: Peterka map of 1/1 by its force", map.rig.name),
-        note: String::new(),
-        command: command.to_owned(),
-        files,
-    })
+    let title = format!("{}: Peterka map of 1/1 by its force", map.rig.name);
+    let page = Page::new(figure, title, command, &pictures::map::by_force(map))?;
+    Ok(page.table("", &strongest_rows(map)))
 }

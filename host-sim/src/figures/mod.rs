@@ -13,10 +13,15 @@ pub mod orbits;
 pub mod section;
 pub mod switch;
 
+use serde::Serialize;
+
+use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use files::UserError;
 use files::made_from::MadeFrom;
+use files::table::to_csv;
 use numerics::NamedRig;
+use plot::Figure;
 
 /// One figure of the chapter (or one beyond it), made again.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +36,36 @@ pub struct Page {
     pub command: String,
     /// Pictures (SVG, PNG) and tables (CSV): name and content. Names are unique and begin with `figure-3-27`.
     pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl Page {
+    /// A page with its picture.
+    fn new(
+        figure: &'static str,
+        title: impl Into<String>,
+        command: impl Into<String>,
+        picture: &Figure,
+    ) -> Result<Self, UserError> {
+        Ok(Self {
+            figure,
+            title: title.into(),
+            note: String::new(),
+            command: command.into(),
+            files: drawn(&stem(figure), picture)?,
+        })
+    }
+
+    /// Adds a table. `end` stands behind the name of the figure in that of the file, as in `figure-3-24-cells.csv`.
+    fn table<T: Serialize>(mut self, end: &str, rows: &[T]) -> Self {
+        let name = format!("{}{end}.csv", stem(self.figure));
+        self.files.push((name, to_csv(rows)));
+        self
+    }
+
+    /// Says what the picture does not.
+    fn noted(self, note: String) -> Self {
+        Self { note, ..self }
+    }
 }
 
 /// How finely to compute.

@@ -1,11 +1,9 @@
 //! Beyond the chapter: the beam springs with more than one bending mode.
 
-use super::{Effort, Page, stem};
-use crate::pictures::drawn;
+use super::{Effort, Page};
 use crate::progress::ProgressLine;
 use files::UserError;
 use files::rigfile;
-use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Plan as Cycles;
 use numerics::modes::{Beam, ModesRequest, ModesRow, TipJoint};
@@ -45,15 +43,9 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
         let rows = rows(&rig, assumed(MASS_RATIO), ratios, cycles, progress)?;
         let title = format!("Bending modes, couplings {title} mm apart, gap 0.0 mm");
         let figure = over_frequency(&title, &rows);
-        pages.push(Page {
-            figure: name,
-            title,
-            note: String::new(),
-            command: format!(
-                "host-sim modes --rig {beam} --cart prescribed --ratio 1:2.6:0.02 --out DIR"
-            ),
-            files: files(name, &figure, &rows)?,
-        });
+        let command =
+            format!("host-sim modes --rig {beam} --cart prescribed --ratio 1:2.6:0.02 --out DIR");
+        pages.push(Page::new(name, title, command, &figure)?.table("", &rows));
     }
     Ok(pages)
 }
@@ -93,17 +85,6 @@ fn rows_with(
         cycles,
     };
     Ok(plan.run(progress)?)
-}
-
-fn files(
-    name: &str,
-    figure: &Figure,
-    rows: &[ModesRow],
-) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    let name = stem(name);
-    let mut files = drawn(&name, figure)?;
-    files.push((format!("{name}.csv"), to_csv(rows)));
-    Ok(files)
 }
 
 fn label(count: usize) -> String {
@@ -227,17 +208,16 @@ pub fn mass(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserEr
             ends(&curve.swing)
         )
     });
-    Ok(vec![Page {
-        figure: "modes mass",
-        title: title.into(),
-        note: format!(
-            "The chapter gives no dimensions of the springs. Five modes against one: {}.",
-            found.collect::<Vec<_>>().join("; ")
-        ),
-        command: "host-sim modes --rig beam-170 --cart prescribed --ratio 1.2:2.6:0.02 --modes 1,5 --springs-mass 0.3"
-            .into(),
-        files: files("modes mass", &figure, &all)?,
-    }])
+    let page = Page::new(
+        "modes mass",
+        title,
+        "host-sim modes --rig beam-170 --cart prescribed --ratio 1.2:2.6:0.02 --modes 1,5 --springs-mass 0.3",
+        &figure,
+    )?;
+    Ok(vec![page.table("", &all).noted(format!(
+        "The chapter gives no dimensions of the springs. Five modes against one: {}.",
+        found.collect::<Vec<_>>().join("; ")
+    ))])
 }
 
 /// Change from one mode to five, %, over the mass of the springs over the hammer's.

@@ -4,13 +4,11 @@
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
-use super::{Effort, Page, stem};
+use super::{Effort, Page};
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::pictures::regimes::regime_raster;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
 use numerics::continuation::curves::SpecialLine;
 use numerics::continuation::table::{OrbitsAnswer, line_rows};
 use numerics::continuation::{Along, OrbitsRequest, curves, diagram};
@@ -59,22 +57,16 @@ fn branch_page(figure: &'static str, gap_mm: f64, effort: Effort) -> Result<Page
     let answer = OrbitsAnswer::new("wires", &found);
     let simulated = pictures::orbits::simulated(&found, behind)?;
     let picture = pictures::orbits::figure("wires", &found, &simulated);
-    let name = stem(figure);
-    let mut files = drawn(&name, &picture)?;
-    files.push((format!("{name}.csv"), to_csv(&answer.orbits)));
-    files.push((
-        format!("{name}-special.csv"),
-        to_csv(&answer.special_points),
-    ));
-    Ok(Page {
+    let page = Page::new(
         figure,
-        title: format!(
+        format!(
             "Wires, gap {gap_mm:?} mm: periodic orbits, stable and unstable, over the bifurcation diagram"
         ),
-        note: String::new(),
-        command: format!("host-sim orbits --rig wires --gap {gap_mm:?} --cart prescribed"),
-        files,
-    })
+        format!("host-sim orbits --rig wires --gap {gap_mm:?} --cart prescribed"),
+        &picture,
+    )?;
+    let page = page.table("", &answer.orbits);
+    Ok(page.table("-special", &answer.special_points))
 }
 
 /// The range of the Peterka map, figure 3.24: gap, mm, and drive frequency, Hz.
@@ -86,7 +78,6 @@ const MAP_FREQUENCIES_HZ: (f64, f64) = (1.41, 7.28);
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn over_the_map(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    const FIGURE: &str = "orbits over the map";
     let (gaps, frequencies, lines_at, starts) = match effort {
         Effort::Full => (179, 148, 90, 24),
         Effort::Coarse => (7, 8, 5, 6),
@@ -106,17 +97,13 @@ pub fn over_the_map(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>
     let lines = curves::lines(&WIRES, &gaps_m, ratios, starts, &())?;
     progress.inc(1);
     let rows = line_rows(&WIRES, &lines);
-    let name = stem(FIGURE);
-    let picture = map_figure(&regimes, (gaps, frequencies), &lines);
-    let mut files = drawn(&name, &picture)?;
-    files.push((format!("{name}.csv"), to_csv(&rows)));
-    Ok(vec![Page {
-        figure: FIGURE,
-        title: "Wires: special points of the 1/1 over the Peterka map".to_owned(),
-        note: String::new(),
-        command: "host-sim orbits --rig wires --curves --cart prescribed".to_owned(),
-        files,
-    }])
+    let page = Page::new(
+        "orbits over the map",
+        "Wires: special points of the 1/1 over the Peterka map",
+        "host-sim orbits --rig wires --curves --cart prescribed",
+        &map_figure(&regimes, (gaps, frequencies), &lines),
+    )?;
+    Ok(vec![page.table("", &rows)])
 }
 
 fn map_figure(

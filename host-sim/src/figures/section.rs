@@ -1,33 +1,17 @@
 //! Sections, and the smoothing method against the switch: figures 3.4 and 3.16–3.23.
 
-use serde::Serialize;
-
-use super::{Effort, Page, stem};
-use crate::pictures::drawn;
+use super::{Effort, Page};
+use crate::pictures::poincare::{against_figure, chapter};
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Start;
 use numerics::poincare::{self, against};
-use plot::Figure;
 
 /// The preset called `name` at `gap_mm`.
 pub(crate) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
     let NamedRig { name, params, .. } = NamedRig::preset(name)?;
     Ok(NamedRig::new(name, params.with_gap_mm(gap_mm)?))
-}
-
-/// The files of a figure: picture and table.
-pub(super) fn files<T: Serialize>(
-    number: &str,
-    figure: &Figure,
-    table: &[T],
-) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    let name = stem(number);
-    let mut files = drawn(&name, figure)?;
-    files.push((format!("{name}.csv"), to_csv(table)));
-    Ok(files)
 }
 
 /// Figure 3.4's point on this rig.
@@ -50,19 +34,15 @@ pub fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, U
         points,
     };
     let found = against::against(&request, &against::WIDTHS_M, progress)?;
-    Ok(vec![Page {
-        figure: "3.4",
-        title: "The smoothing method against the switch on one chaotic Poincaré section".to_owned(),
-        note: String::new(),
-        command: format!(
+    let page = Page::new(
+        "3.4",
+        "The smoothing method against the switch on one chaotic Poincaré section",
+        format!(
             "host-sim poincare --rig wires --gap 1 --ratio {RATIO} --cart prescribed --against smoothed --points {points} --transient {transient}"
         ),
-        files: files(
-            "3.4",
-            &crate::pictures::poincare::against_figure(&rig, &request, &found),
-            &found.rows(),
-        )?,
-    }])
+        &against_figure(&rig, &request, &found),
+    )?;
+    Ok(vec![page.table("", &found.rows())])
 }
 
 /// Figure, gap (mm), Ω/ω, the words, and the regime they name (p, n).
@@ -148,21 +128,15 @@ pub fn portraits(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, U
             points,
         };
         let portrait = poincare::portrait(&request, progress)?;
-        Ok(Page {
-            figure: number,
-            title: format!(
-                "Wires, {gap:?} mm, Ω/ω = {ratio}: displacement, phase plane and Poincaré map"
-            ),
-            note: String::new(),
-            command: format!(
+        let page = Page::new(
+            number,
+            format!("Wires, {gap:?} mm, Ω/ω = {ratio}: displacement, phase plane and Poincaré map"),
+            format!(
                 "host-sim poincare --rig wires --gap {gap:?} --ratio {ratio} --cart prescribed --points {points} --transient {transient}"
             ),
-            files: files(
-                number,
-                &crate::pictures::poincare::chapter(&rig, &request, &portrait),
-                &portrait.sections[0],
-            )?,
-        })
+            &chapter(&rig, &request, &portrait),
+        )?;
+        Ok(page.table("", &portrait.sections[0]))
     };
     SHOWN.iter().map(page).collect()
 }

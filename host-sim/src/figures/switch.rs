@@ -6,11 +6,9 @@ use shared::model::params::{BEAM_170, RigParams};
 use shared::model::rig::Rig;
 use shared::model::switch::{Band, Subspace, classify};
 
-use super::{Effort, Page, stem};
-use crate::pictures::drawn;
+use super::{Effort, Page};
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
 use numerics::engine::{
     CycleRecorder, Engine, Machine, Method, Precision, RecordedSample, Setting, Start, machine,
 };
@@ -148,25 +146,22 @@ fn trajectory(run: &Run, truth: &Run, frequency_hz: f64) -> Result<Page, UserErr
             .item(Item::dashed("event-located reference", Color::ORANGE, phase(truth)))
             .item(Item::mark_x("Σ: the stop", STOP.gap_m * 1e3)),
         );
-    let stem = stem("3.5");
-    let mut files = drawn(&stem, &picture)?;
+    let page = Page::new(
+        "3.5",
+        title,
+        "host-sim figures --only 3.5 --out figures",
+        &picture,
+    )?;
     let sparse: Vec<_> = run.samples.iter().step_by(50).collect();
-    files.push((format!("{stem}.csv"), to_csv(&sparse)));
-    Ok(Page {
-        figure: "3.5",
-        title: title.to_owned(),
-        note: format!(
-            "With a band of {:.0e} m the switch model gives {} contact(s) in the period and a peak of {:.3} N; the event-located reference {} and {:.3} N: {:+.2} %.",
-            run.band.0,
-            run.onsets,
-            run.peak_n,
-            truth.onsets,
-            truth.peak_n,
-            100.0 * (run.peak_n / truth.peak_n - 1.0)
-        ),
-        command: "host-sim figures --only 3.5 --out figures".to_owned(),
-        files,
-    })
+    Ok(page.table("", &sparse).noted(format!(
+        "With a band of {:.0e} m the switch model gives {} contact(s) in the period and a peak of {:.3} N; the event-located reference {} and {:.3} N: {:+.2} %.",
+        run.band.0,
+        run.onsets,
+        run.peak_n,
+        truth.onsets,
+        truth.peak_n,
+        100.0 * (run.peak_n / truth.peak_n - 1.0)
+    )))
 }
 
 /// A sample of the impact and where it lies.
@@ -240,16 +235,13 @@ fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page
         truth.peak_n
     );
     steps.extend(crossing(narrow)?);
-    let stem = stem("3.6");
-    let mut files = drawn(&stem, &picture)?;
-    files.push((format!("{stem}.csv"), to_csv(&steps)));
-    Ok(Page {
-        figure: "3.6",
-        title: title.to_owned(),
-        note,
-        command: "host-sim figures --only 3.6 --out figures".to_owned(),
-        files,
-    })
+    let page = Page::new(
+        "3.6",
+        title,
+        "host-sim figures --only 3.6 --out figures",
+        &picture,
+    )?;
+    Ok(page.table("", &steps).noted(note))
 }
 
 /// Phase plane and force of one impact, the steps by sub-space, over the reference.
