@@ -73,12 +73,6 @@ fn band(diagram: &BifurcationDiagram, regime: Regime, from: f64) -> Option<(f64,
     ))
 }
 
-/// The three figures of a gap.
-struct Wires {
-    gap_mm: f64,
-    numbers: [&'static str; 3],
-}
-
 /// The detail about the end of the 1/1.
 struct Detail {
     diagram: BifurcationDiagram,
@@ -88,14 +82,22 @@ struct Detail {
     step: f64,
 }
 
-/// Whole diagram, and details of displacement and force about the end of the 1/1.
-fn wires(effort: Effort, progress: &ProgressLine, what: &Wires) -> Result<Vec<Page>, UserError> {
-    let rig = rig("wires", what.gap_mm)?;
+/// Three figures of the wires at a gap: the whole diagram, and details of displacement and force about the end of the 1/1.
+///
+/// # Errors
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
+pub fn wires(
+    gap_mm: f64,
+    numbers: [&'static str; 3],
+    effort: Effort,
+    progress: &ProgressLine,
+) -> Result<Vec<Page>, UserError> {
+    let rig = rig("wires", gap_mm)?;
     let count = if effort == Effort::Full { 588 } else { 60 };
     let whole = compute(
         effort,
         &rig,
-        &[what.gap_mm],
+        &[gap_mm],
         range(&rig.params, count),
         &[Direction::Rest, Direction::Up, Direction::Down],
         progress,
@@ -107,28 +109,21 @@ fn wires(effort: Effort, progress: &ProgressLine, what: &Wires) -> Result<Vec<Pa
     let to = second
         .map_or(from + 0.8, |b| b.0 + 0.15)
         .clamp(from + 0.3, from + 1.4);
-    let detail = detail(effort, &rig, what, (from, to), progress)?;
-    wires_pages(what, &whole, &detail)
+    let detail = detail(effort, &rig, gap_mm, (from, to), progress)?;
+    wires_pages(gap_mm, numbers, &whole, &detail)
 }
 
 fn detail(
     effort: Effort,
     rig: &NamedRig,
-    what: &Wires,
+    gap_mm: f64,
     (from, to): (f64, f64),
     progress: &ProgressLine,
 ) -> Result<Detail, UserError> {
     let count = if effort == Effort::Full { 400 } else { 30 };
     let natural = rig.params.natural_frequency_hz();
     let near = spread(from * natural, to * natural, count);
-    let diagrams = compute(
-        effort,
-        rig,
-        &[what.gap_mm],
-        near,
-        &[Direction::Rest],
-        progress,
-    )?;
+    let diagrams = compute(effort, rig, &[gap_mm], near, &[Direction::Rest], progress)?;
     let [diagram] = <[BifurcationDiagram; 1]>::try_from(diagrams)
         .map_err(|_| UserError::new("one gap and one direction gave no single diagram"))?;
     Ok(Detail {
@@ -139,14 +134,14 @@ fn detail(
 }
 
 fn wires_pages(
-    what: &Wires,
+    gap: f64,
+    numbers: [&'static str; 3],
     whole: &[BifurcationDiagram],
     detail: &Detail,
 ) -> Result<Vec<Page>, UserError> {
-    let gap = what.gap_mm;
     let page = |k: usize, title: &str, command: &str, picture: &Figure| {
         let title = format!("Wires, {gap:?} mm: {title}");
-        Page::new(what.numbers[k], title, command, picture)
+        Page::new(numbers[k], title, command, picture)
     };
     let (from, to) = detail.range;
     let command = format!("host-sim bifurcation --rig wires --cart prescribed --gap {gap:?}");
@@ -230,42 +225,6 @@ pub fn end_and_chaos(
         }
     }
     Ok((end, most))
-}
-
-/// Figures 3.27 to 3.29.
-///
-/// # Errors
-/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_0(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let what = Wires {
-        gap_mm: 0.0,
-        numbers: ["3.27", "3.28", "3.29"],
-    };
-    wires(effort, progress, &what)
-}
-
-/// Figures 3.30 to 3.32.
-///
-/// # Errors
-/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_1(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let what = Wires {
-        gap_mm: 1.0,
-        numbers: ["3.30", "3.31", "3.32"],
-    };
-    wires(effort, progress, &what)
-}
-
-/// Figures 3.33 to 3.35.
-///
-/// # Errors
-/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
-pub fn wires_2(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let what = Wires {
-        gap_mm: 2.4,
-        numbers: ["3.33", "3.34", "3.35"],
-    };
-    wires(effort, progress, &what)
 }
 
 /// Figures 3.43 to 3.45.
