@@ -4,16 +4,13 @@
 use serde::Serialize;
 
 use super::force_curves::{SweepCurves, curves, gap_mm};
-use super::{Effort, Page, stem};
-use crate::pictures::drawn;
+use super::{Effort, Page};
 use crate::pictures::regimes::{regime_group, regime_points};
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::to_csv;
+use files::table::Selection;
 use numerics::row::RunRow;
-use numerics::row::regime_as_text;
 use plot::{Axis, Color, Figure, Item, Panel};
-use shared::model::regime::Regime;
 
 /// Figures 3.12, 3.13 and 3.14.
 ///
@@ -61,15 +58,20 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
 #[derive(Serialize)]
 struct CurveRow<'a> {
     from: &'static str,
-    rig: &'a str,
-    gap_mm: f64,
-    frequency_hz: f64,
-    frequency_ratio: f64,
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
-    force_ratio: f64,
-    force_n: f64,
+    row: &'a RunRow,
 }
+
+/// What a table has of it.
+const COLUMNS: &[&str] = &[
+    "from",
+    "rig",
+    "gap_mm",
+    "frequency_hz",
+    "frequency_ratio",
+    "regime",
+    "force_ratio",
+    "force_n",
+];
 
 fn page(figure: &'static str, title: String, curves: &[SweepCurves]) -> Result<Page, UserError> {
     let picture = curves.iter().fold(
@@ -78,44 +80,18 @@ fn page(figure: &'static str, title: String, curves: &[SweepCurves]) -> Result<P
             .size(1100, if curves.len() > 1 { 1500 } else { 640 }),
         |picture, curve| picture.panel(panel(curve, curves.len() > 1)),
     );
-    let mut files = drawn(&stem(figure), &picture)?;
-    let ways = |c: &'_ SweepCurves| {
-        let rows_of = |from: &'static str, rows: &[RunRow]| -> Vec<(&'static str, RunRow)> {
-            rows.iter().map(|r| (from, r.clone())).collect()
-        };
-        [
-            rows_of("rest", &c.rest),
-            rows_of("up", &c.up),
-            rows_of("down", &c.down),
-        ]
-        .concat()
-    };
-    let rows: Vec<_> = curves.iter().flat_map(ways).collect();
-    let table: Vec<CurveRow> = rows
-        .iter()
-        .map(|(from, r)| CurveRow {
-            from,
-            rig: &r.rig,
-            gap_mm: r.gap_mm,
-            frequency_hz: r.frequency_hz,
-            frequency_ratio: r.frequency_ratio,
-            regime: r.regime,
-            force_ratio: r.force_ratio,
-            force_n: r.force_n,
-        })
-        .collect();
-    files.push((format!("{}.csv", stem(figure)), to_csv(&table)));
-    Ok(Page {
-        figure,
-        title,
-        note: String::new(),
-        command: format!(
-            "host-sim sweep --rig {} --gap {:?} --ratio 0.6:4:0.01 --direction up --cart prescribed",
-            curves[0].rig,
-            gap_mm(&curves[0].params)
-        ),
-        files,
-    })
+    let command = format!(
+        "host-sim sweep --rig {} --gap {:?} --ratio 0.6:4:0.01 --direction up --cart prescribed",
+        curves[0].rig,
+        gap_mm(&curves[0].params)
+    );
+    let rows = curves.iter().flat_map(|c| {
+        let ways = [("rest", &c.rest), ("up", &c.up), ("down", &c.down)];
+        let rows = ways.map(|(from, rows)| rows.iter().map(move |row| CurveRow { from, row }));
+        rows.into_iter().flatten()
+    });
+    let table: Vec<_> = rows.map(|row| Selection::of(&row, COLUMNS)).collect();
+    Ok(Page::new(figure, title, command, &picture)?.table("", &table))
 }
 
 fn panel(curve: &SweepCurves, titled: bool) -> Panel {

@@ -1,16 +1,17 @@
 //! The sweeps behind the pictures of force over frequency: from rest, and carried up and down.
 
-use shared::model::params::{RigParams, preset};
-use shared::model::rig::Rig;
+use rayon::prelude::*;
+use shared::model::params::RigParams;
 
 use super::Effort;
 use crate::progress::ProgressLine;
 use files::UserError;
-use numerics::CartModel;
-use numerics::engine::Start;
-use numerics::lanes::{self, Cell, CellOutcome, CellPlan};
+use numerics::NamedRig;
+use numerics::bifurcation::{BifurcationDiagram, DiagramRequest, Station, diagrams};
+use numerics::engine::Engine;
+use numerics::lanes::CellPlan;
 use numerics::row::{RunRow, tidy};
-use numerics::sweep::spread;
+use numerics::sweep::{Direction, spread};
 
 /// Sweeps of one rig at one gap: from rest, up and down.
 pub struct SweepCurves {
@@ -41,120 +42,44 @@ pub fn curves(
         ),
     };
     let ratios = spread(from, to, count);
-    let mut chains = Vec::new();
-    for rig in rigs {
-        let known = preset(rig).ok_or_else(|| UserError::new(format!("no rig {rig}")))?;
-        for gap in gaps_mm {
-            chains.push((
-                *rig,
-                RigParams {
-                    gap_m: gap * 1e-3,
-                    ..known
-                },
-            ));
-        }
-    }
-    let rest = from_rest(&chains, &ratios, &plan, progress)?;
-    let carried = carried(&chains, &ratios, &plan, progress)?;
-    let all = chains.into_iter().zip(rest).zip(carried);
-    Ok(all
-        .map(|(((rig, params), rest), (up, down))| SweepCurves {
+    let ways = [Direction::Rest, Direction::Up, Direction::Down];
+    let sweeps = rigs.iter().flat_map(|rig| ways.map(|way| (*rig, way)));
+    let sweeps: Vec<_> = sweeps.collect();
+    let found = sweeps.par_iter().map(|(rig, direction)| {
+        let rig = NamedRig::preset(rig)?;
+        let natural_hz = rig.params.natural_frequency_hz();
+        let request = DiagramRequest {
             rig,
-            params,
-            rest,
-            up,
-            down,
-        })
-        .collect())
-}
-
-fn cell(params: &RigParams, ratio: f64) -> Result<Cell, UserError> {
-    let frequency_hz = ratio * params.natural_frequency_hz();
-    let rig = Rig::<f64>::new(params)?;
-    Ok(Cell {
-        params: *params,
-        frequency_hz,
-        start: Start::Rest.section(&rig, std::f64::consts::TAU * frequency_hz)?,
-        phase: 0.0,
-    })
-}
-
-fn row(rig: &str, cell: &Cell, seen: &CellOutcome) -> RunRow {
-    let params = &cell.params;
-    RunRow {
-        rig: rig.to_owned(),
-        gap_mm: gap_mm(params),
-        cart: CartModel::of(params),
-        frequency_hz: tidy(cell.frequency_hz),
-        frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
-        impacts: seen.regime.impacts(),
-        periods: seen.regime.periods(),
-        regime: seen.regime,
-        force_ratio: seen.force_n / params.weight_n(),
-        force_n: seen.force_n,
-        approach_speed_m_per_s: None,
-        contact_time_ms: None,
+            gaps_mm: gaps_mm.to_vec(),
+            frequencies_hz: ratios.iter().map(|ratio| ratio * natural_hz).collect(),
+            directions: vec![*direction],
+            engine: Engine::Event,
+            plan,
+            locate: false,
+        };
+        diagrams(&request, progress)
+    });
+    let found: Vec<Vec<BifurcationDiagram>> = found.collect::<Result<_, _>>()?;
+    // The figures name the regime of every run, also of one that still changes.
+    let named = |station: &Station| RunRow {
         unsettled: false,
-        failed: false,
-        failure: None,
-    }
-}
-
-type Chain = (&'static str, RigParams);
-
-fn from_rest(
-    chains: &[Chain],
-    ratios: &[f64],
-    plan: &CellPlan,
-    progress: &ProgressLine,
-) -> Result<Vec<Vec<RunRow>>, UserError> {
+        ..station.row.clone()
+    };
     let mut curves = Vec::new();
-    for (rig, params) in chains {
-        let cells = ratios.iter().map(|ratio| cell(params, *ratio));
-        let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        let seen = lanes::run(&cells, plan)?;
-        let rows = cells.iter().zip(&seen).map(|(c, s)| row(rig, c, s));
-        curves.push(rows.collect());
-        progress.inc(ratios.len() as u64);
+    for (rig, by_way) in rigs.iter().zip(found.chunks(ways.len())) {
+        for gap in 0..gaps_mm.len() {
+            let [rest, up, down] =
+                [0, 1, 2].map(|way| by_way[way][gap].stations.iter().map(named).collect());
+            curves.push(SweepCurves {
+                rig,
+                params: by_way[0][gap].params,
+                rest,
+                up,
+                down,
+            });
+        }
     }
     Ok(curves)
-}
-
-/// Rows of one chain carried up and carried down, both by rising frequency.
-type UpAndDown = (Vec<RunRow>, Vec<RunRow>);
-
-/// All chains go side by side, up and down at once, each from where it was left at the last frequency.
-fn carried(
-    chains: &[Chain],
-    ratios: &[f64],
-    plan: &CellPlan,
-    progress: &ProgressLine,
-) -> Result<Vec<UpAndDown>, UserError> {
-    let mut found: Vec<UpAndDown> = vec![(Vec::new(), Vec::new()); chains.len()];
-    let mut last: Option<Vec<CellOutcome>> = None;
-    for (up, down) in ratios.iter().zip(ratios.iter().rev()) {
-        let both = chains
-            .iter()
-            .flat_map(|(_, params)| [(params, *up), (params, *down)]);
-        let cells = both.map(|(params, ratio)| cell(params, ratio));
-        let mut cells = cells.collect::<Result<Vec<_>, _>>()?;
-        for (cell, left) in cells.iter_mut().zip(last.iter().flatten()) {
-            cell.start = left.section;
-        }
-        let seen = lanes::run(&cells, plan)?;
-        for (k, (rig, _)) in chains.iter().enumerate() {
-            found[k].0.push(row(rig, &cells[2 * k], &seen[2 * k]));
-            found[k]
-                .1
-                .push(row(rig, &cells[2 * k + 1], &seen[2 * k + 1]));
-        }
-        last = Some(seen);
-        progress.inc(2 * chains.len() as u64);
-    }
-    for (_, down) in &mut found {
-        down.reverse();
-    }
-    Ok(found)
 }
 
 /// Clearance at rest of a rig, mm.
