@@ -89,37 +89,51 @@ pub enum Item {
 }
 
 impl Item {
-    /// A solid line, 1.6 px thick.
-    pub fn line(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+    /// A line of this stroke and thickness, px.
+    pub fn curve(
+        label: impl Into<String>,
+        color: Color,
+        (stroke, width): (Stroke, f64),
+        points: Vec<Point>,
+    ) -> Self {
         Self::Line {
             points,
             color,
             label: label.into(),
-            width: 1.6,
-            stroke: Stroke::Solid,
+            width,
+            stroke,
         }
+    }
+
+    /// A solid line, 1.6 px thick.
+    pub fn line(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        Self::curve(label, color, (Stroke::Solid, 1.6), points)
     }
 
     /// A dashed line, 1.6 px thick.
     pub fn dashed(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Line {
+        Self::curve(label, color, (Stroke::Dashed, 1.6), points)
+    }
+
+    /// Points of this shape and radius, px.
+    pub fn marks(
+        label: impl Into<String>,
+        color: Color,
+        (mark, radius): (Mark, f64),
+        points: Vec<Point>,
+    ) -> Self {
+        Self::Points {
             points,
             color,
             label: label.into(),
-            width: 1.6,
-            stroke: Stroke::Dashed,
+            radius,
+            mark,
         }
     }
 
     /// Round points of 2.5 px radius.
     pub fn points(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Points {
-            points,
-            color,
-            label: label.into(),
-            radius: 2.5,
-            mark: Mark::Circle,
-        }
+        Self::marks(label, color, (Mark::Circle, 2.5), points)
     }
 
     /// Any number of points: dots of 1 px up to 50,000 of them, of half a px beyond.
@@ -134,13 +148,7 @@ impl Item {
 
     /// Points of 3 px radius in the colour and shape of `style`.
     pub fn styled_points(label: impl Into<String>, style: Style, points: Vec<Point>) -> Self {
-        Self::Points {
-            points,
-            color: style.color,
-            label: label.into(),
-            radius: 3.0,
-            mark: style.mark,
-        }
+        Self::marks(label, style.color, (style.mark, 3.0), points)
     }
 
     /// The area between a lower and an upper value at each x: (x, lower, upper).

@@ -173,12 +173,12 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// An empty panel with a legend.
-    pub fn new(x: Axis, y: Axis) -> Self {
+    /// An empty panel with a legend. The label alone makes an axis that shows all its data.
+    pub fn new(x: impl Into<Axis>, y: impl Into<Axis>) -> Self {
         Self {
             title: String::new(),
-            x,
-            y,
+            x: x.into(),
+            y: y.into(),
             items: Vec::new(),
             legend: true,
         }
@@ -249,6 +249,18 @@ impl Axis {
     pub fn with_zero(mut self) -> Self {
         self.range = Range::WithZero;
         self
+    }
+}
+
+impl From<&str> for Axis {
+    fn from(label: &str) -> Self {
+        Self::new(label)
+    }
+}
+
+impl From<String> for Axis {
+    fn from(label: String) -> Self {
+        Self::new(label)
     }
 }
 

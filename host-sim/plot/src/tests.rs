@@ -12,7 +12,7 @@ fn force_figure() -> Figure {
         hz.map(|f| (f, force(f))).collect()
     };
     let mut panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
+        "drive frequency, Hz",
         Axis::new("peak impact force, N").with_zero(),
     )
     .item(Item::band_x("safe operating band", 33.0, 39.5));
@@ -97,7 +97,7 @@ fn four_panels() -> Figure {
         .columns(2)
         .size(1000, 760)
         .panel(
-            Panel::new(Axis::new("time, s"), Axis::new("position, mm"))
+            Panel::new("time, s", "position, mm")
                 .titled("Time history")
                 .item(Item::line("hammer", Color::BLUE, history))
                 .item(Item::dashed(
@@ -107,28 +107,26 @@ fn four_panels() -> Figure {
                 )),
         )
         .panel(
-            Panel::new(Axis::new("position, mm"), Axis::new("velocity, m/s"))
+            Panel::new("position, mm", "velocity, m/s")
                 .titled("Phase plane")
                 .item(Item::line("", Color::BLUE, phase)),
         )
         .panel(
-            Panel::new(Axis::new("position, mm"), Axis::new("velocity, m/s"))
+            Panel::new("position, mm", "velocity, m/s")
                 .titled("Poincaré map")
                 .item(Item::points("once a period", Color::RED, map)),
         )
         .panel(
-            Panel::new(Axis::new("frequency, Hz"), Axis::new("power, mm²/Hz"))
+            Panel::new("frequency, Hz", "power, mm²/Hz")
                 .titled("Spectrum")
                 .item(Item::line("", Color::PURPLE, lines.collect())),
         )
 }
 
 fn one(item: Item) -> Figure {
-    Figure::new("").size(400, 300).panel(
-        Panel::new(Axis::new("x, s"), Axis::new("y, m"))
-            .without_legend()
-            .item(item),
-    )
+    Figure::new("")
+        .size(400, 300)
+        .panel(Panel::new("x, s", "y, m").without_legend().item(item))
 }
 
 fn lines_of(svg: &str, color: &str) -> usize {

@@ -205,25 +205,25 @@ fn figure(rig: &str, test: &DropTest, rows: &[DropSample]) -> Figure {
         .columns(2)
         .size(1200, 860)
         .panel(
-            Panel::new(Axis::new("time since release, s"), Axis::new("displacement, mm"))
+            Panel::new("time since release, s", "displacement, mm")
                 .titled("Displacement from rest")
                 .without_legend()
                 .item(Item::line("displacement", Color::BLUE, all(|r| r.displacement_mm))),
         )
         .panel(
-            Panel::new(Axis::new("time since release, s"), force())
+            Panel::new("time since release, s", force())
                 .titled("Force as the sensor has it")
                 .without_legend()
                 .item(Item::line("force", Color::RED, all(|r| r.force_n))),
         )
         .panel(
-            Panel::new(Axis::new("time, ms"), force())
+            Panel::new("time, ms", force())
                 .titled("First impact: force")
                 .without_legend()
                 .item(Item::line("force", Color::RED, near(|r| r.force_n))),
         )
         .panel(
-            Panel::new(Axis::new("time, ms"), Axis::new("deceleration, m/s²").with_zero())
+            Panel::new("time, ms", Axis::new("deceleration, m/s²").with_zero())
                 .titled("First impact: the hammer's deceleration")
                 .without_legend()
                 .item(Item::line("deceleration", Color::BLUE, near(|r| -r.acceleration_m_per_s2))),

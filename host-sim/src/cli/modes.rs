@@ -211,10 +211,7 @@ fn figure(rows: &[ModesRow], counts: &[usize]) -> Figure {
             .item(Item::line("", Color::series(0), points.clone().collect()))
             .item(Item::points("", Color::series(0), points.collect()));
         }
-        let mut panel = Panel::new(
-            Axis::new("drive frequency, Hz"),
-            Axis::new(label).with_zero(),
-        );
+        let mut panel = Panel::new("drive frequency, Hz", Axis::new(label).with_zero());
         for (i, count) in counts.iter().enumerate() {
             let name = if *count == 1 {
                 "1 mode".into()

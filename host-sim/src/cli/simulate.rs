@@ -228,13 +228,13 @@ fn figure(
     };
     let last = match contact {
         Some(force) => Panel::new(
-            Axis::new("time since onset, ms"),
+            "time since onset, ms",
             Axis::new("contact force, N").with_zero(),
         )
         .titled("The last contact")
         .without_legend()
         .item(Item::line("contact force", RED, force)),
-        None => Panel::new(Axis::new(displacement), Axis::new(velocity))
+        None => Panel::new(displacement, velocity)
             .titled("Poincaré section at drive phase 0")
             .without_legend()
             .item(Item::points(
@@ -251,7 +251,7 @@ fn figure(
         .columns(2)
         .size(1200, 860)
         .panel(
-            Panel::new(Axis::new("time, s"), Axis::new("displacement, mm"))
+            Panel::new("time, s", "displacement, mm")
                 .titled("Time history")
                 .item(Item::line("hammer, fixed frame", BLUE, over_time(|s| s.displacement_mm)))
                 .item(Item::dashed(
@@ -261,13 +261,13 @@ fn figure(
                 )),
         )
         .panel(
-            Panel::new(Axis::new("time, s"), Axis::new("contact force, N").with_zero())
+            Panel::new("time, s", Axis::new("contact force, N").with_zero())
                 .titled("Contact force")
                 .without_legend()
                 .item(Item::line("contact force", RED, over_time(|s| s.force_n))),
         )
         .panel(
-            Panel::new(Axis::new(displacement), Axis::new(velocity))
+            Panel::new(displacement, velocity)
                 .titled("Phase plane")
                 .item(Item::line("trajectory", BLUE, plane.collect()))
                 .item(Item::points("drive phase 0", RED, strobes))

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::force_curves::{SweepCurves, curves, gap_mm};
 use super::{Effort, Page};
-use crate::pictures::regimes::{regime_group, regime_points};
+use crate::pictures::regimes::{regime_group, regime_style};
 use crate::progress::ProgressLine;
 use files::UserError;
 use files::table::Selection;
@@ -98,7 +98,7 @@ fn panel(curve: &SweepCurves, titled: bool) -> Panel {
     let at = |r: &RunRow| (r.frequency_ratio, r.force_ratio);
     let line = |rows: &[RunRow]| rows.iter().map(at).collect::<Vec<_>>();
     let mut panel = Panel::new(
-        Axis::new("drive frequency over natural frequency, Ω/ω"),
+        "drive frequency over natural frequency, Ω/ω",
         Axis::new("force ratio, F/(m g)").with_zero(),
     )
     .item(Item::line(
@@ -130,22 +130,8 @@ fn panel(curve: &SweepCurves, titled: bool) -> Panel {
 
 /// Dots of a regime, small enough that a curve stays a curve.
 fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
-    match regime_points(regime, points) {
-        Item::Points {
-            points,
-            color,
-            label,
-            mark,
-            ..
-        } => Item::Points {
-            points,
-            color,
-            label,
-            radius: 2.0,
-            mark,
-        },
-        other => other,
-    }
+    let style = regime_style(regime);
+    Item::marks(regime, style.color, (style.mark, 2.0), points)
 }
 
 /// The run with the largest force of those in 1/1; none if none is.

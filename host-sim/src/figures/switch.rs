@@ -12,7 +12,7 @@ use files::UserError;
 use numerics::engine::{
     CycleRecorder, Engine, Machine, Method, Precision, RecordedSample, Setting, Start, machine,
 };
-use plot::{Axis, Color, Figure, Item, Mark, Panel};
+use plot::{Color, Figure, Item, Mark, Panel};
 
 /// A mass on a spring: the beam rig at 170 mm, its stop 1 mm away, driven at 1.5 times its own frequency.
 const STOP: RigParams = RigParams {
@@ -128,19 +128,13 @@ fn trajectory(run: &Run, truth: &Run, frequency_hz: f64) -> Result<Page, UserErr
         .columns(2)
         .size(1300, 560)
         .panel(
-            Panel::new(
-                Axis::new("time, drive periods"),
-                Axis::new("displacement in the fixed frame, mm"),
-            )
+            Panel::new("time, drive periods", "displacement in the fixed frame, mm")
             .titled("a) Motion")
             .item(Item::line("mass", Color::BLUE, over_time(|s| s.displacement_mm)))
             .item(Item::dashed("stop", Color::RED, over_time(wall))),
         )
         .panel(
-            Panel::new(
-                Axis::new("displacement relative to the base, mm"),
-                Axis::new("relative velocity, m/s"),
-            )
+            Panel::new("displacement relative to the base, mm", "relative velocity, m/s")
             .titled("b) Phase plane")
             .item(Item::line("switch model", Color::BLUE, phase(run)))
             .item(Item::dashed("event-located reference", Color::ORANGE, phase(truth)))
@@ -246,27 +240,15 @@ fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page
 
 /// Phase plane and force of one impact, the steps by sub-space, over the reference.
 fn transition_panels(steps: &[Crossing], exact: &[Crossing]) -> [Panel; 2] {
-    let mut plane = Panel::new(
-        Axis::new("penetration h_α = δ, µm"),
-        Axis::new("its rate, m/s"),
-    )
-    .titled("a) Phase plane")
-    .item(band_x(WIDE.0 * 1e6));
-    let mut force = Panel::new(
-        Axis::new("time since the force began, µs"),
-        Axis::new("contact force, N"),
-    )
-    .titled("b) Force");
+    let mut plane = Panel::new("penetration h_α = δ, µm", "its rate, m/s")
+        .titled("a) Phase plane")
+        .item(band_x(WIDE.0 * 1e6));
+    let mut force =
+        Panel::new("time since the force began, µs", "contact force, N").titled("b) Force");
     for (_, name, color) in NAMES {
         let of: Vec<_> = steps.iter().filter(|s| s.subspace == name).collect();
         let points = |f: fn(&Crossing) -> (f64, f64)| of.iter().map(|s| f(s)).collect();
-        let dots = |points| Item::Points {
-            points,
-            color,
-            label: name.to_owned(),
-            radius: 1.4,
-            mark: Mark::Circle,
-        };
+        let dots = |points| Item::marks(name, color, (Mark::Circle, 1.4), points);
         plane = plane.item(dots(points(|s| (s.penetration_um, s.rate_m_per_s))));
         force = force.item(dots(points(|s| (s.time_us, s.force_n))));
     }

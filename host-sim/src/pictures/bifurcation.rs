@@ -159,13 +159,9 @@ fn measured_points(measured: &MeasuredDiagram, diagram: &BifurcationDiagram, vie
         Abscissa::Ratio => natural,
         Abscissa::Frequency => 1.0,
     };
-    Item::Points {
-        points: from.iter().map(|(hz, y)| (hz / unit, y / scale)).collect(),
-        color: Color::INK,
-        label: if from.is_empty() { "" } else { "measured" }.to_owned(),
-        radius: 2.0,
-        mark: Mark::Ring,
-    }
+    let points = from.iter().map(|(hz, y)| (hz / unit, y / scale)).collect();
+    let label = if from.is_empty() { "" } else { "measured" };
+    Item::marks(label, Color::INK, (Mark::Ring, 2.0), points)
 }
 
 /// Place and name of the lasting changes of the first diagram.

@@ -31,7 +31,7 @@ pub fn figure(title: String, comparison: &Comparison, frame: MeasuredFrame) -> F
             (s - begin, at.displacement_mm)
         });
         figure = figure.panel(
-            Panel::new(time(), Axis::new(label))
+            Panel::new(time(), label)
                 .titled("Displacement")
                 .item(Item::line(
                     "measured",
@@ -136,7 +136,7 @@ fn plane(
     let model = modelled(comparison, shown, frame, |_, at| {
         (at.displacement_mm, at.velocity_m_per_s)
     });
-    Panel::new(Axis::new(label), Axis::new("velocity, m/s"))
+    Panel::new(label, "velocity, m/s")
         .titled("Phase plane; dots: drive phase 0")
         .item(Item::line(
             "measured",

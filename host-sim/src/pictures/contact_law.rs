@@ -18,13 +18,9 @@ pub type Drawn = (String, Law<f64>, f64);
 /// # Errors
 /// If a parameter is out of range, or a contact does not end.
 pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
-    let mut plane = Panel::new(
-        Axis::new("indentation, µm"),
-        Axis::new("rate of indentation, m/s"),
-    )
-    .titled("Phase plane");
+    let mut plane = Panel::new("indentation, µm", "rate of indentation, m/s").titled("Phase plane");
     let mut force = Panel::new(
-        Axis::new("time since onset, ms"),
+        "time since onset, ms",
         Axis::new("contact force, N").with_zero(),
     )
     .titled("Contact force");
@@ -61,13 +57,8 @@ pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
 
 /// The curve of the `i`-th law. Two laws may give the same: the later is drawn narrower over the earlier, so that both show.
 fn over_another(name: &str, i: usize, points: Vec<(f64, f64)>) -> Item {
-    Item::Line {
-        points,
-        color: Color::series(i),
-        label: name.to_owned(),
-        width: (5.0 - i as f64).max(1.4),
-        stroke: Stroke::Solid,
-    }
+    let width = (5.0 - i as f64).max(1.4);
+    Item::curve(name, Color::series(i), (Stroke::Solid, width), points)
 }
 
 /// Restitution and contact time over approach speed, a curve per law.

@@ -22,17 +22,12 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Fi
     let best = &advice.best;
     // `under`: how much thicker each line is than the next, so that it is seen under it where both are the same.
     let panel = |label: &str, under: f64, value: fn(&DrillRow) -> f64| {
-        let mut panel = Panel::new(Axis::new("Ω/ω"), Axis::new(label).with_zero());
+        let mut panel = Panel::new("Ω/ω", Axis::new(label).with_zero());
         for (i, gap) in drawn.iter().enumerate() {
             let points = gap.iter().map(|r| (r.frequency_ratio, value(r)));
             let name = format!("gap {:?} mm", gap[0].gap_mm);
-            panel = panel.item(Item::Line {
-                points: points.collect(),
-                color: Color::series(i),
-                label: name,
-                width: 1.6 + under * (drawn.len() - 1 - i) as f64,
-                stroke: Stroke::Solid,
-            });
+            let solid = (Stroke::Solid, 1.6 + under * (drawn.len() - 1 - i) as f64);
+            panel = panel.item(Item::curve(name, Color::series(i), solid, points.collect()));
         }
         let panel = if fastest == best {
             panel.item(Item::mark_x("fastest of all", best.frequency_ratio))
@@ -144,7 +139,7 @@ pub fn map(rows: &[DrillRow]) -> Figure {
             rows.first().map_or("moves", moves)
         ))
         .size(1000, 640)
-        .panel(Panel::new(Axis::new("Ω/ω"), Axis::new("gap, mm")).item(Item::Raster(raster)))
+        .panel(Panel::new("Ω/ω", "gap, mm").item(Item::Raster(raster)))
 }
 
 /// The published oscillator over its static force: section and progress.
@@ -165,20 +160,16 @@ pub fn drifting(rows: &[DriftingRow]) -> Figure {
     Figure::new("Published drifting oscillator: bifurcation diagram over the static force")
         .subtitle(subtitle)
         .size(1000, 1150)
-        .panel(
-            Panel::new(b(), Axis::new("p = x − v at ωτ = 0")).item(Item::points(
-                "",
-                Color::BLUE,
-                points(|p| p.0),
-            )),
-        )
-        .panel(
-            Panel::new(b(), Axis::new("rate of p at ωτ = 0")).item(Item::points(
-                "",
-                Color::BLUE,
-                points(|p| p.1),
-            )),
-        )
+        .panel(Panel::new(b(), "p = x − v at ωτ = 0").item(Item::points(
+            "",
+            Color::BLUE,
+            points(|p| p.0),
+        )))
+        .panel(Panel::new(b(), "rate of p at ωτ = 0").item(Item::points(
+            "",
+            Color::BLUE,
+            points(|p| p.1),
+        )))
         .panel(
             Panel::new(b(), Axis::new("progress per period").with_zero()).item(Item::line(
                 "",

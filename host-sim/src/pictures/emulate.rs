@@ -192,11 +192,7 @@ pub fn figure(trace: &Trace, about: &About) -> Figure {
         1.0
     };
     let optimum = |value: f64, text: String| {
-        let mut item = Item::dashed(text, Color::INK, across(value));
-        if let Item::Line { width, .. } = &mut item {
-            *width = 1.1;
-        }
-        item
+        Item::curve(text, Color::INK, (Stroke::Dashed, 1.1), across(value))
     };
 
     let (axis, cut) = match trace.searched(about.optimum.map(|(hz, _)| hz)) {
@@ -219,14 +215,15 @@ pub fn figure(trace: &Trace, about: &About) -> Figure {
             format!("optimum of the true rig {ratio:.1}"),
         ));
     }
-    let mut target = Item::line("forecast's target", Color::ORANGE, trace.target.clone());
-    if let Item::Line { stroke, .. } = &mut target {
-        *stroke = Stroke::Dotted;
-    }
-    frequency =
-        frequency
-            .item(target)
-            .item(Item::line("drive", Color::BLUE, trace.frequency.clone()));
+    let (dotted, target) = ((Stroke::Dotted, 1.6), trace.target.clone());
+    frequency = frequency
+        .item(Item::curve(
+            "forecast's target",
+            Color::ORANGE,
+            dotted,
+            target,
+        ))
+        .item(Item::line("drive", Color::BLUE, trace.frequency.clone()));
     let ratios = trace.peaks.iter().map(|(t, n)| (*t, n / weight));
     force = force.item(Item::line("peak force", Color::BLUE, ratios.collect()));
     let amplitude = panel(trace, time(), Axis::new("amplitude, mm").with_zero(), false)

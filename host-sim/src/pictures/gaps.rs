@@ -1,7 +1,8 @@
 //! The picture of the gap advice: force, frequency and safe band, basin and multiplier over the gap.
 
+use crate::pictures::over::jumps;
 use crate::words::gaps::{GapRow, GapTable};
-use plot::{Axis, Color, Figure, Item, Mark, Panel};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Four panels over the gap; gaps that jump carry an orange diamond. `cart` is how a heading says it moves.
 pub fn figure(advice: &GapTable, cart: &str) -> Figure {
@@ -28,7 +29,7 @@ fn over(advice: &GapTable, value: impl Fn(&GapRow) -> Option<f64>) -> Vec<(f64, 
 }
 
 fn panel(advice: &GapTable, label: &str, title: &str) -> Panel {
-    let panel = Panel::new(Axis::new("gap, mm"), Axis::new(label).with_zero()).titled(title);
+    let panel = Panel::new("gap, mm", Axis::new(label).with_zero()).titled(title);
     match advice.advised_gap_mm {
         Some(gap) => panel.item(Item::mark_x("advised", gap)),
         None => panel,
@@ -53,13 +54,7 @@ fn force(advice: &GapTable) -> Panel {
             Color::BLUE,
             over(advice, |r| r.force_ratio),
         ))
-        .item(Item::Points {
-            points: over(advice, jumping),
-            color: Color::ORANGE,
-            label: "the hammer jumps".to_owned(),
-            radius: 5.0,
-            mark: Mark::Diamond,
-        })
+        .item(jumps(over(advice, jumping)))
 }
 
 fn frequency(advice: &GapTable) -> Panel {

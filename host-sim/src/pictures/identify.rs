@@ -40,17 +40,14 @@ pub fn forces(measured: &MeasuredImpacts, fit: &IdentifiedFit) -> Vec<Panel> {
     let all = beside(measured, fit);
     let panel = |(i, samples): (usize, &Vec<[f64; 3]>)| {
         let column = |k: usize| samples.iter().map(|s| (s[0] * 1e3, s[k])).collect();
-        Panel::new(
-            Axis::new("time, ms"),
-            Axis::new("contact force, N").with_zero(),
-        )
-        .titled(format!("Impact {}", i + 1))
-        .item(Item::points("measured", Color::RED, column(1)))
-        .item(Item::line(
-            format!("model: {}, by {}", fit.law.name(), fit.misfit.name()),
-            Color::BLUE,
-            column(2),
-        ))
+        Panel::new("time, ms", Axis::new("contact force, N").with_zero())
+            .titled(format!("Impact {}", i + 1))
+            .item(Item::points("measured", Color::RED, column(1)))
+            .item(Item::line(
+                format!("model: {}, by {}", fit.law.name(), fit.misfit.name()),
+                Color::BLUE,
+                column(2),
+            ))
     };
     all.iter().enumerate().take(DRAWN).map(panel).collect()
 }
@@ -81,13 +78,8 @@ pub fn peaks(fits: &[IdentifiedFit]) -> Panel {
             .impacts
             .iter()
             .map(|r| (r.impact as f64, r.measured_peak_n));
-        panel = panel.item(Item::Points {
-            points: seen.collect(),
-            color: Color::RED,
-            label: "measured".into(),
-            radius: 4.0,
-            mark: plot::Mark::Circle,
-        });
+        let large = (plot::Mark::Circle, 4.0);
+        panel = panel.item(Item::marks("measured", Color::RED, large, seen.collect()));
     }
     panel
 }
@@ -107,26 +99,23 @@ fn profile(fit: &IdentifiedFit, i: usize) -> Option<Panel> {
         .map(|p| (p.0 * scale, p.1))
         .collect();
     let ends = (points.first()?.0, points.last()?.0);
-    let mut panel = Panel::new(
-        Axis::new(label),
-        Axis::new("rise of χ²").fixed(0.0, 4.0 * LEVEL),
-    )
-    .titled(format!(
-        "Profile likelihood: {}",
-        label.split(',').next().unwrap_or(label)
-    ))
-    .item(Item::line(
-        "all others at their best",
-        Color::BLUE,
-        points.clone(),
-    ))
-    .item(Item::points("", Color::BLUE, points))
-    .item(Item::dashed(
-        "95 %",
-        Color::INK,
-        vec![(ends.0, LEVEL), (ends.1, LEVEL)],
-    ))
-    .item(Item::mark_x("found", estimate.value * scale));
+    let mut panel = Panel::new(label, Axis::new("rise of χ²").fixed(0.0, 4.0 * LEVEL))
+        .titled(format!(
+            "Profile likelihood: {}",
+            label.split(',').next().unwrap_or(label)
+        ))
+        .item(Item::line(
+            "all others at their best",
+            Color::BLUE,
+            points.clone(),
+        ))
+        .item(Item::points("", Color::BLUE, points))
+        .item(Item::dashed(
+            "95 %",
+            Color::INK,
+            vec![(ends.0, LEVEL), (ends.1, LEVEL)],
+        ))
+        .item(Item::mark_x("found", estimate.value * scale));
     for end in [estimate.low, estimate.high].into_iter().flatten() {
         panel = panel.item(Item::MarkX {
             x: end * scale,

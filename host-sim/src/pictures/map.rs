@@ -7,7 +7,7 @@ use files::words::count;
 use numerics::CartModel;
 use numerics::map::Map;
 use numerics::row::Outcome;
-use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
+use plot::{Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
 /// A point drawn over a map: gap (mm), drive frequency (Hz), and the regime seen there.
 pub type MeasuredPoint = (f64, f64, Regime);
@@ -56,12 +56,8 @@ pub fn with_points(map: &Map, points: &[MeasuredPoint]) -> Figure {
     let natural_hz = map.rig.params.natural_frequency_hz();
     let amplitude_mm = map.rig.params.amplitude_m * 1e3;
     let at = |p: &MeasuredPoint| (p.1 / natural_hz, p.0 / amplitude_mm);
-    let dots = |label: &str, color: Color, radius: f64, points: Vec<(f64, f64)>| Item::Points {
-        points,
-        color,
-        label: label.to_owned(),
-        radius,
-        mark: Mark::Circle,
+    let dots = |label: &str, color: Color, radius: f64, points: Vec<(f64, f64)>| {
+        Item::marks(label, color, (Mark::Circle, radius), points)
     };
     let all = points.iter().map(at).collect();
     let mut panel = regime_panel(map).item(dots(
@@ -151,8 +147,8 @@ fn figure(map: &Map, what: &str) -> Figure {
 
 fn axes() -> Panel {
     Panel::new(
-        Axis::new("drive frequency over natural frequency, Ω/ω"),
-        Axis::new("gap over cart amplitude, gap/A0"),
+        "drive frequency over natural frequency, Ω/ω",
+        "gap over cart amplitude, gap/A0",
     )
 }
 

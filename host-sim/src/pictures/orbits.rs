@@ -118,7 +118,7 @@ pub fn figure(rig: &str, diagram: &OrbitDiagram, behind: &SimulatedPoints) -> Fi
         Along::Rig { knob, .. } => (knob.name(), "one drive frequency".to_owned()),
     };
     let (low, high) = diagram.request.limits;
-    let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
+    let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), y);
     let params = &diagram.params;
     let cart = CartModel::of(params).words();
     let weight = params.weight_n();
@@ -182,19 +182,14 @@ pub fn draw(
                 if points.iter().all(|p| p.1.is_nan()) {
                     continue;
                 }
-                let (word, stroke) = match stability {
-                    Stability::Stable => ("stable", Stroke::Solid),
-                    Stability::Neutral => ("neutral", Stroke::Dotted),
-                    Stability::Unstable => ("unstable", Stroke::Dashed),
+                let (word, stroke, width) = match stability {
+                    Stability::Stable => ("stable", Stroke::Solid, 2.2),
+                    Stability::Neutral => ("neutral", Stroke::Dotted, 1.4),
+                    Stability::Unstable => ("unstable", Stroke::Dashed, 1.4),
                 };
-                let stable = stability == Stability::Stable;
-                panel.items.push(Item::Line {
-                    points,
-                    color,
-                    label: once(format!("{name} {word}")),
-                    width: if stable { 2.2 } else { 1.4 },
-                    stroke,
-                });
+                let label = once(format!("{name} {word}"));
+                let item = Item::curve(label, color, (stroke, width), points);
+                panel.items.push(item);
             }
         }
     }
@@ -211,13 +206,8 @@ pub fn draw(
         let points: Vec<(f64, f64)> = diagram.curves.iter().flat_map(of).collect();
         if !points.is_empty() {
             let (mark, color, radius) = mark(kind);
-            panel.items.push(Item::Points {
-                points,
-                color,
-                label: kind.label().to_owned(),
-                radius,
-                mark,
-            });
+            let item = Item::marks(kind.label(), color, (mark, radius), points);
+            panel.items.push(item);
         }
     }
 }
@@ -252,38 +242,19 @@ pub fn line_items(lines: &[SpecialLine]) -> Vec<Item> {
         let points: Vec<(f64, f64)> = line.nodes.iter().map(point).collect();
         if points.len() > 1 {
             // A light rim keeps the line apart from the areas it crosses.
-            items.push(Item::Line {
-                points: points.clone(),
-                color: Color::PAPER,
-                label: String::new(),
-                width: 4.5,
-                stroke: Stroke::Solid,
-            });
-        }
-        items.push(if points.len() == 1 {
-            Item::Points {
-                points,
-                color,
-                label,
-                radius: 2.5,
-                mark,
-            }
+            let rim = (Stroke::Solid, 4.5);
+            items.push(Item::curve("", Color::PAPER, rim, points.clone()));
+            items.push(Item::curve(label, color, (stroke, 2.0), points));
         } else {
-            Item::Line {
-                points,
-                color,
-                label,
-                width: 2.0,
-                stroke,
-            }
-        });
+            items.push(Item::marks(label, color, (mark, 2.5), points));
+        }
     }
     items
 }
 
 /// The lines on their own.
 pub fn lines_figure(rig: &str, params: &RigParams, lines: &[SpecialLine]) -> Figure {
-    let mut panel = Panel::new(Axis::new("gap, mm"), Axis::new("drive frequency, Hz"));
+    let mut panel = Panel::new("gap, mm", "drive frequency, Hz");
     panel.items.extend(line_items(lines));
     Figure::new(format!(
         "{rig}, {}: where the 1/1 doubles, folds and grazes",

@@ -80,13 +80,7 @@ impl OverPicture<'_> {
         if !self.rows.iter().any(|row| jumping(row).is_some()) {
             return panel;
         }
-        panel.item(Item::Points {
-            points: self.points(jumping),
-            color: Color::ORANGE,
-            label: "the hammer jumps".to_owned(),
-            radius: 5.0,
-            mark: Mark::Diamond,
-        })
+        panel.item(jumps(self.points(jumping)))
     }
 
     fn frequency(&self) -> Panel {
@@ -121,6 +115,16 @@ impl OverPicture<'_> {
         let panel = self.panel("impact power, W", "power of the blows");
         self.curve(panel, "at the pick", |r| r.impact_power_w)
     }
+}
+
+/// Orange diamonds where the hammer jumps.
+pub fn jumps(points: Vec<(f64, f64)>) -> Item {
+    Item::marks(
+        "the hammer jumps",
+        Color::ORANGE,
+        (Mark::Diamond, 5.0),
+        points,
+    )
 }
 
 /// A force over the weight of `row` in N.

@@ -77,15 +77,12 @@ fn panel(pick: &Pick) -> Panel {
     let (low, high) = (answer.safe_band_hz[0], answer.safe_band_hz[1]);
     let natural = answer.operating_frequency_hz / answer.frequency_ratio;
     let force = "contact force over the hammer's weight, F/(m g)";
-    let mut panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
-        Axis::new(force).with_zero(),
-    )
-    .item(Item::band_x(
-        format!("safe band {} Hz", digits.band([low, high])),
-        low,
-        high,
-    ));
+    let mut panel =
+        Panel::new("drive frequency, Hz", Axis::new(force).with_zero()).item(Item::band_x(
+            format!("safe band {} Hz", digits.band([low, high])),
+            low,
+            high,
+        ));
     if !pick.force_range.is_empty() {
         let over = "force over the uncertainty, all rigs in 1/1";
         panel = panel.item(Item::between(over, CURVE, &pick.force_range));

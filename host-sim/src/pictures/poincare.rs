@@ -78,7 +78,7 @@ pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> 
     let gap = request.params.gap_m * 1e3;
     let regime = portrait.outcome().to_string();
     let mut figure = headed(rig, request, portrait).columns(2).panel(
-        Panel::new(Axis::new(DISPLACEMENT), Axis::new(VELOCITY))
+        Panel::new(DISPLACEMENT, VELOCITY)
             .titled(format!("Phase plane, {TRAJECTORY_PERIODS} drive periods"))
             .item(Item::line(
                 "trajectory",
@@ -88,7 +88,7 @@ pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> 
             .item(Item::mark_x("surface", gap)),
     );
     for (phase, section) in request.phases.iter().zip(&portrait.sections) {
-        let mut panel = Panel::new(Axis::new(DISPLACEMENT), Axis::new(VELOCITY))
+        let mut panel = Panel::new(DISPLACEMENT, VELOCITY)
             .titled(format!("Section at drive phase {phase:?} turns"));
         for item in by_contacts(section, portrait.regime.periods(), 1.0) {
             panel = panel.item(item);
@@ -106,7 +106,7 @@ pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) ->
     let history =
         |f: fn(&RecordedSample) -> f64| shown.iter().map(|s| (s.time_s - from, f(s))).collect();
     let gap = request.params.gap_m * 1e3;
-    let mut plane = Panel::new(Axis::new(DISPLACEMENT), Axis::new(VELOCITY))
+    let mut plane = Panel::new(DISPLACEMENT, VELOCITY)
         .titled("b) Phase plane and section at drive phase 0")
         .item(Item::line("trajectory", Color::SKY, line(shown)));
     for item in by_contacts(&portrait.sections[0], portrait.regime.periods(), 3.0) {
@@ -116,7 +116,7 @@ pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) ->
         .columns(2)
         .size(1200, 520)
         .panel(
-            Panel::new(Axis::new("time, s"), Axis::new("displacement, mm"))
+            Panel::new("time, s", "displacement, mm")
                 .titled("a) Displacement")
                 .item(Item::line(
                     "hammer, fixed frame",

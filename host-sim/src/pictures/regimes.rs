@@ -97,13 +97,7 @@ pub fn regime_fill(regime: &str) -> Color {
 
 /// Points of a regime as rings that leave room for a mark inside: those of a second sweep.
 pub fn regime_rings(regime: &str, points: Vec<Point>) -> Item {
-    Item::Points {
-        points,
-        color: regime_color(regime),
-        label: regime.to_owned(),
-        radius: 6.0,
-        mark: Mark::Ring,
-    }
+    Item::marks(regime, regime_color(regime), (Mark::Ring, 6.0), points)
 }
 
 /// Points of one regime in its own colour and shape ([`regime_style`]), named by the regime.

@@ -20,7 +20,7 @@ pub fn figure(pick: &RopPick) -> Figure {
         None => String::new(),
     };
     let panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
+        "drive frequency, Hz",
         Axis::new("rate of penetration, µm/s").with_zero(),
     );
     let band = Color(0x2e, 0x7d, 0x32);

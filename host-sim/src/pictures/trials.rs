@@ -14,7 +14,7 @@ pub fn figure(rigs: &[&str], outcomes: &[TrialOutcome], seconds: f64) -> Figure 
     .titled("how soon it holds")
     .item(Item::mark_x("10 s", 10.0));
     let mut share = Panel::new(
-        Axis::new("force over the optimum's at the amplitude as read"),
+        "force over the optimum's at the amplitude as read",
         Axis::new("trials with at most that, %").fixed(0.0, 100.0),
     )
     .titled("how hard it strikes from Hold on");

@@ -42,26 +42,17 @@ pub fn figure(rig: &str, plane: &Plane, answer: &CurvesAnswer) -> Figure {
             Condition::Grazing => (Stroke::Dotted, 1.8),
         };
         let first = named.insert(label.clone());
-        panel.items.push(Item::Line {
-            points,
-            color,
-            label: if first { label } else { String::new() },
-            width,
-            stroke,
-        });
+        let label = if first { label } else { String::new() };
+        let item = Item::curve(label, color, (stroke, width), points);
+        panel.items.push(item);
     }
     for (kind, mark) in MARKS {
         let rows = answer.codimension_two.iter();
         let rows = rows.filter(|p| p.codimension_two == Some(kind));
         let points: Vec<(f64, f64)> = rows.map(|p| (p.value_2, p.value_1)).collect();
         if !points.is_empty() {
-            panel.items.push(Item::Points {
-                points,
-                color: Color::INK,
-                label: kind.label().to_owned(),
-                radius: 4.0,
-                mark,
-            });
+            let item = Item::marks(kind.label(), Color::INK, (mark, 4.0), points);
+            panel.items.push(item);
         }
     }
     Figure::new(format!(

@@ -253,7 +253,7 @@ fn curves(direction: Direction, rows: &[RunRow], others: Option<&[RunRow]>) -> P
         Direction::Down => ("carried down", "carried up"),
     };
     let mut panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
+        "drive frequency, Hz",
         Axis::new("contact force, N").with_zero(),
     )
     .item(Item::line(label, BLUE, curve(rows)));
