@@ -8,6 +8,7 @@ use shared::model::contact::Law;
 use shared::model::slider::Slider;
 
 use crate::UserError;
+use crate::range::below;
 
 /// Fastest feed that may be asked for, mm/s.
 const FASTEST_MM_PER_S: f64 = 1000.0;
@@ -106,11 +107,7 @@ impl GroundAsked {
             ("--threshold-percent", self.threshold_percent),
             ("--ground-stiffness-percent", self.ground_stiffness_percent),
         ] {
-            if !(0.0..100.0).contains(&percent) {
-                return Err(UserError::new(format!(
-                    "{option} is {percent}, must be from 0 to below 100"
-                )));
-            }
+            below(option, percent, 0.0, 100.0)?;
         }
         Ok(GroundUncertainty {
             threshold_percent: self.threshold_percent,

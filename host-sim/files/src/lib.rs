@@ -11,6 +11,7 @@ mod error;
 pub mod ground;
 pub mod made_from;
 pub mod quiet;
+pub mod range;
 mod read;
 pub mod rigfile;
 pub mod settings_file;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::arguments::output::OutputArgs;
 use crate::progress::ProgressLine;
 use files::UserError;
+use files::range::within;
 use numerics::identify::Misfit;
 use numerics::identify::coverage::{CoverageCase, CoverageRow, cases, table};
 
@@ -65,12 +66,7 @@ impl CoverageArgs {
 
     /// Simulates and identifies the drop tests, and answers with a row for each parameter of each case.
     pub fn run(&self, misfit: Option<Misfit>, output: &OutputArgs) -> Result<(), UserError> {
-        if self.tests == 0 || self.tests > MOST {
-            return Err(UserError::new(format!(
-                "--tests is {}, must be from 1 to {MOST}",
-                self.tests
-            )));
-        }
+        within("--tests", self.tests, 1, MOST)?;
         let output = &output.about(None)?;
         let cases = self.cases()?;
         let misfits = misfit.map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);

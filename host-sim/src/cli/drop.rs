@@ -4,6 +4,7 @@ use super::arguments::choice::{Choice, choice};
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
 use files::UserError;
+use files::range::within;
 use numerics::drop_test::{Converter, DropSample, DropTest, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
@@ -103,26 +104,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.answer(&rows, &rows, picture, || text(&rig.name, &test, &rows))
 }
 
-/// The value of an option if it is in its range.
-pub fn within(option: &str, value: f64, low: f64, high: f64) -> Result<f64, UserError> {
-    if value >= low && value <= high {
-        return Ok(value);
-    }
-    Err(UserError::new(format!(
-        "{option} is {value}, must be from {low} to {high}"
-    )))
-}
-
 fn test(args: &Args) -> Result<DropTest, UserError> {
-    if !(1..=100).contains(&args.impacts) {
-        return Err(UserError::new(format!(
-            "--impacts is {}, must be from 1 to 100",
-            args.impacts
-        )));
-    }
     Ok(DropTest {
         release_m: within("--release-mm", args.release_mm, -1000.0, 1000.0)? * 1e-3,
-        impacts: args.impacts,
+        impacts: within("--impacts", args.impacts, 1, 100)?,
         sampling_hz: within("--sampling-hz", args.sampling_hz, 100.0, 10e6)?,
         noise_n: within("--noise-n", args.noise_n, 0.0, 1e6)?,
         ringing_share: within("--ringing", args.ringing, 0.0, 10.0)?,

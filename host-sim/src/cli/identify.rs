@@ -9,10 +9,10 @@ use super::arguments::choice::choice;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
 use super::coverage::CoverageArgs;
-use super::drop::within;
 use crate::pictures;
 use crate::progress::ProgressLine;
 use files::UserError;
+use files::range::within;
 use files::table::to_csv;
 use files::words::identify::WordedFit;
 use numerics::NamedRig;
@@ -243,18 +243,13 @@ pub fn release_mm(given: Option<f64>, signal: &Signal) -> Result<f64, UserError>
 }
 
 fn settings(args: &Args, signal: &Signal) -> Result<SearchSettings, UserError> {
-    if !(1..=50).contains(&args.impacts) {
-        return Err(UserError::new(format!(
-            "--impacts is {}, must be from 1 to 50",
-            args.impacts
-        )));
-    }
+    let impacts = within("--impacts", args.impacts, 1, 50)?;
     let release_mm = release_mm(args.release_mm, signal)?;
     Ok(SearchSettings {
         release_m: release_mm * 1e-3,
         seek_release: args.seek_release,
         seek_exponent: args.seek_exponent,
-        impacts: args.impacts,
+        impacts,
         gain_percent: within("--gain-percent", args.gain_percent, 0.0, 100.0)?,
         release_height_percent: within(
             "--release-height-percent",

@@ -7,6 +7,7 @@ use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::ProgressLine;
 use files::UserError;
+use files::range::within;
 use files::words::count;
 use numerics::CartModel;
 use numerics::engine::Start;
@@ -93,13 +94,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequency_hz = args.drive.needed_hz(natural)?;
-    const MOST: u32 = 10_000_000;
-    if !(1..=MOST).contains(&args.points) {
-        return Err(UserError::new(format!(
-            "--points is {}, must be from 1 to {MOST}",
-            args.points
-        )));
-    }
+    let points = within("--points", args.points, 1, 10_000_000)?;
     let mut phases = if args.phase.is_empty() {
         vec![0.0]
     } else {
@@ -123,7 +118,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
         start: args.initial,
         phases,
         transient: args.transient,
-        points: args.points,
+        points,
     })
 }
 

@@ -9,6 +9,7 @@ use crate::pictures::trials::figure;
 use crate::progress::ProgressLine;
 use emulator::trials::long::LongTrial;
 use emulator::trials::{Believed, Distribution, Trial, TrialOutcome, TrialRow, run_all};
+use files::range::within;
 use files::words::count;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -76,16 +77,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let (usual, usual_s) = if args.long { (40, 600.0) } else { (200, 60.0) };
     let (trials, seconds) = (args.count.unwrap_or(usual), args.seconds.unwrap_or(usual_s));
     let (least, most) = DURATION_S;
-    if !(least..=most).contains(&seconds) {
-        return Err(UserError::new(format!(
-            "--seconds is {seconds}, must be from {least} to {most}"
-        )));
-    }
-    if trials == 0 || trials > MOST {
-        return Err(UserError::new(format!(
-            "--count is {trials}, must be from 1 to {MOST}"
-        )));
-    }
+    within("--seconds", seconds, least, most)?;
+    within("--count", trials, 1, MOST)?;
     let rigs: Vec<NamedRig> = match &args.rig {
         Some(rig) => vec![rigfile::load(rig, &[])?],
         None => NamedRig::presets(),

@@ -6,6 +6,7 @@ use toml::Value;
 use super::keys::{NoRig, nearest};
 use super::table::as_number;
 use crate::UserError;
+use crate::range::below;
 
 /// A half-width that may be stated.
 pub struct HalfWidth {
@@ -118,15 +119,7 @@ impl HalfWidth {
     /// # Errors
     /// The value is out of range, or another width is stated that this one takes the place of.
     pub fn set(&self, stated: &mut Stated, name: &str, value: f64) -> Result<(), UserError> {
-        let Self {
-            at_least, below, ..
-        } = self;
-        if !(*at_least..*below).contains(&value) {
-            return Err(UserError::new(format!(
-                "{name} is {value}, must be from {at_least} to below {below}"
-            )));
-        }
-        *(self.of)(stated) = Some(value);
+        *(self.of)(stated) = Some(below(name, value, self.at_least, self.below)?);
         for [one, other] in ONE_OF {
             let given = |key: &str| {
                 let width = WIDTHS.iter().find(|width| width.key == key);

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 
 use files::UserError;
+use files::range::positive;
 use numerics::engine::{Engine, Method, Precision, Setting};
 
 use super::output::OutputArgs;
@@ -110,17 +111,8 @@ impl EngineArgs {
     }
 
     fn method(&self) -> Result<Method, UserError> {
-        let width = |option: &str, value: Option<f64>, default: f64| {
-            let value = value.unwrap_or(default);
-            if value > 0.0 && value.is_finite() {
-                return Ok(value);
-            }
-            Err(UserError::new(format!(
-                "{option} is {value}, must be a positive number"
-            )))
-        };
-        let alpha = width("--eta-alpha-m", self.eta_alpha_m, 5e-8)?;
-        let beta = width("--eta-beta-n", self.eta_beta_n, 0.01)?;
+        let alpha = positive("--eta-alpha-m", self.eta_alpha_m.unwrap_or(5e-8))?;
+        let beta = positive("--eta-beta-n", self.eta_beta_n.unwrap_or(0.01))?;
         match self.stepper {
             Some(StepperName::Banded) => Ok(Method::Banded {
                 eta_alpha_m: alpha,

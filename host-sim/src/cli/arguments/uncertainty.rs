@@ -1,6 +1,7 @@
 //! How well the rig is known: `--nominal`, the half-widths, samples and seed.
 
 use files::UserError;
+use files::range::at_most;
 use files::rigfile::WIDTHS;
 use numerics::NamedRig;
 use numerics::uncertainty::{Stated, Uncertainty};
@@ -101,12 +102,7 @@ impl UncertaintyArgs {
 
     /// What the options say.
     fn given(&self) -> Result<Stated, UserError> {
-        if self.samples > MOST_SAMPLES {
-            return Err(UserError::new(format!(
-                "--samples is {}, must be at most {MOST_SAMPLES}",
-                self.samples
-            )));
-        }
+        at_most("--samples", self.samples, MOST_SAMPLES)?;
         let options = [
             self.natural_frequency_percent,
             self.amplitude_percent,

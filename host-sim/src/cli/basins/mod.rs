@@ -14,6 +14,7 @@ use crate::pictures::basins::figure;
 use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use files::UserError;
+use files::range::at_most;
 use numerics::NamedRig;
 use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, BasinsSummary, StartWindow, cells, explore};
@@ -99,12 +100,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let engine = args.engine.engine(output)?;
-    if args.samples > 1_000_000 {
-        return Err(UserError::new(format!(
-            "--samples is {}, must be at most 1000000",
-            args.samples
-        )));
-    }
+    at_most("--samples", args.samples, 1_000_000)?;
     let queries = queries(args)?;
     let output = &about(args, &queries)?;
     let total = queries.iter().map(|(_, query)| query.runs()).sum();

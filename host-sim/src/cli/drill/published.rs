@@ -7,6 +7,7 @@ use crate::cli::arguments::range::parse_range;
 use crate::pictures::drill::drifting;
 use crate::progress::ProgressLine;
 use files::UserError;
+use files::range::within;
 use files::table::to_csv;
 use numerics::drill::published::{Drifting, DriftingPlan, DriftingRow, PERIOD_TWO, diagram};
 
@@ -86,9 +87,9 @@ fn points(rows: &[DriftingRow]) -> Vec<PointRow> {
 }
 
 pub fn run(args: &PublishedOscillator, settle: u32, output: &OutputArgs) -> Result<(), UserError> {
-    check("--force-amplitude", args.force_amplitude, 1e-3, 10.0)?;
-    check("--damping-ratio", args.damping_ratio, 1e-4, 10.0)?;
-    check("--omega", args.omega, 1e-3, 100.0)?;
+    within("--force-amplitude", args.force_amplitude, 1e-3, 10.0)?;
+    within("--damping-ratio", args.damping_ratio, 1e-4, 10.0)?;
+    within("--omega", args.omega, 1e-3, 100.0)?;
     let output = &output.about(None)?;
     let motions = args.static_force.0.iter().map(|b| Drifting {
         a: args.force_amplitude,
@@ -129,15 +130,6 @@ pub fn run(args: &PublishedOscillator, settle: u32, output: &OutputArgs) -> Resu
         Ok(files)
     };
     output.answer(&answer, &rows, files, || text(&stretches, &rows))
-}
-
-fn check(option: &str, value: f64, low: f64, high: f64) -> Result<(), UserError> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(UserError::new(format!(
-        "{option} is {value}, must be from {low} to {high}"
-    )))
 }
 
 fn text(stretches: &[Stretch], rows: &[DriftingRow]) -> String {

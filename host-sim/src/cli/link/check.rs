@@ -7,17 +7,10 @@ use shared::settings::TICK_RATE_HZ;
 use super::What;
 use super::sweep::frequencies;
 use files::UserError;
+use files::range::positive;
 
 /// Refuses numbers out of range before anything is sent to a board.
 pub fn check(what: &What) -> Result<(), UserError> {
-    let positive = |option: &str, value: f64| {
-        if value > 0.0 && value.is_finite() {
-            return Ok(());
-        }
-        Err(UserError::new(format!(
-            "{option} is {value}, must be a positive number"
-        )))
-    };
     let between = |option: &str, value: f64, least: f64, most: f64| {
         if (least..=most).contains(&value) {
             return Ok(());
@@ -26,7 +19,8 @@ pub fn check(what: &What) -> Result<(), UserError> {
             "{option} is {value:?}, must be a number from {least} to {most}"
         )))
     };
-    let given = |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v));
+    let given =
+        |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v).map(drop));
     let day = |option: &str, seconds: f64| between(option, seconds, 1e-3, 86_400.0);
     let for_so_long = |value: Option<f64>| value.map_or(Ok(()), |v| day("--for", v));
     match what {

@@ -1,6 +1,7 @@
 //! What the beams' bending modes change about an answer, in lines, and the options for their springs.
 
 use files::UserError;
+use files::range::below;
 use numerics::modes::{Beam, TipJoint};
 use numerics::pick::{PickAnswer, Springs};
 
@@ -39,23 +40,16 @@ impl SpringsArgs {
     /// # Errors
     /// If a number is out of range.
     pub fn springs(&self) -> Result<Springs, UserError> {
-        let within = |name: &str, value: f64, (from, below): (f64, f64)| {
-            if (from..below).contains(&value) {
-                return Ok(value);
-            }
-            Err(UserError::new(format!(
-                "{name} is {value}, must be from {from} to below {below}"
-            )))
-        };
         Ok(Springs {
             beam: Beam {
                 tip: TipJoint::Guided,
-                mass_ratio: within("--springs-mass", self.springs_mass, (0.002, 5.0))?,
+                mass_ratio: below("--springs-mass", self.springs_mass, 0.002, 5.0)?,
             },
-            mass_percent: within(
+            mass_percent: below(
                 "--springs-mass-percent",
                 self.springs_mass_percent,
-                (0.0, 50.0),
+                0.0,
+                50.0,
             )?,
         })
     }

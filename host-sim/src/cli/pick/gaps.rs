@@ -6,6 +6,7 @@ use crate::pictures::gaps::figure;
 use crate::progress::ProgressLine;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
+use files::range::at_most;
 use files::words::digits::decimals;
 use numerics::CartModel;
 use numerics::NamedRig;
@@ -43,12 +44,7 @@ pub fn run(
             list.len()
         )));
     }
-    if gaps.starts > MOST_STARTS {
-        return Err(UserError::new(format!(
-            "--starts is {}, must be at most {MOST_STARTS}",
-            gaps.starts
-        )));
-    }
+    at_most("--starts", gaps.starts, MOST_STARTS)?;
     let total = gap_steps(list.len(), uncertainty, gaps.starts);
     let progress = ProgressLine::new("rigs and starts tried", total, output.quiet);
     let starts = (gaps.starts, gaps.seed);

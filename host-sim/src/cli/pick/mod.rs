@@ -27,6 +27,7 @@ use crate::pictures::pick::figure;
 use crate::progress::ProgressLine;
 use files::UserError;
 use files::decimal::comma;
+use files::range::positive;
 use files::table::{Selection, to_csv};
 use files::words::pick::WordedPick;
 use line::{COLUMNS, curve_rows};
@@ -318,12 +319,7 @@ fn default_to_zero_gap(rig: &mut NamedRig, output: &OutputArgs) {
 }
 
 fn limits(args: &Args) -> Result<PickLimits, UserError> {
-    let check = |name: &str, value: Option<f64>| match value {
-        Some(x) if !(x > 0.0 && x.is_finite()) => Err(UserError::new(format!(
-            "{name} is {x}, must be a positive number"
-        ))),
-        _ => Ok(value),
-    };
+    let check = |name, value: Option<f64>| value.map(|x| positive(name, x)).transpose();
     check("--want-force-n", args.want_force_n)?;
     Ok(PickLimits {
         max_force_n: check("--max-force-n", args.max_force_n)?,
