@@ -5,6 +5,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::canvas::{Canvas, Letters, Rect, printable, spot};
 use super::layout::fit;
+use super::panel::widest;
 use super::ticks::Ticks;
 use super::{Bar, Color, Item, Panel, PictureError, Stroke};
 
@@ -27,12 +28,6 @@ fn ticks(bar: &Bar, height: f64) -> Ticks {
     let (low, high) = (bar.from.min(bar.to), bar.from.max(bar.to));
     let high = if high > low { high } else { low + 1.0 };
     Ticks::new(low, high, ((height / 32.0) as usize).clamp(2, 10))
-}
-
-fn widest(ticks: &Ticks) -> f64 {
-    let letters = Letters::new(TICK_TEXT);
-    let widths = ticks.values.iter().map(|v| letters.width(&ticks.label(*v)));
-    widths.fold(0.0, f64::max)
 }
 
 /// Room the bar needs right of the frame, px.

@@ -230,7 +230,7 @@ fn ticks(axis: &Axis, (lo, hi): (f64, f64), most: usize) -> Ticks {
 }
 
 /// Width of the widest label, px.
-fn widest(ticks: &Ticks) -> f64 {
+pub(super) fn widest(ticks: &Ticks) -> f64 {
     let letters = Letters::new(TICK_TEXT);
     let widths = ticks.values.iter().map(|v| letters.width(&ticks.label(*v)));
     widths.fold(0.0, f64::max)

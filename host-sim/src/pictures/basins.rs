@@ -58,17 +58,24 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
 }
 
 fn panel(basins: &Basins, title: String, names: &[(String, Color)], cells: &[usize]) -> Panel {
+    let cells: Vec<_> = cells.iter().map(|k| Some(*k)).collect();
+    let raster = |x, v, columns| Raster::categories(x, v, columns, names, &cells);
+    over_starts(basins, raster).titled(title)
+}
+
+/// What `raster` makes of the ends of displacement (mm) and velocity (m/s) and the number of columns.
+fn over_starts(
+    basins: &Basins,
+    raster: impl FnOnce((f64, f64), (f64, f64), usize) -> Raster,
+) -> Panel {
     let window = &basins.query.window;
     let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
     let [v0, v1] = window.velocity_m_per_s;
-    let cells: Vec<_> = cells.iter().map(|k| Some(*k)).collect();
-    let raster = Raster::categories((x0, x1), (v0, v1), window.columns, names, &cells);
     Panel::new(
         Axis::new("displacement at the start, mm").fixed(x0, x1),
         Axis::new("velocity at the start, m/s").fixed(v0, v1),
     )
-    .titled(title)
-    .item(Item::Raster(raster))
+    .item(Item::Raster(raster((x0, x1), (v0, v1), window.columns)))
 }
 
 /// Impact in blue, no impact in red.
@@ -135,7 +142,7 @@ fn last_contact_panel(basins: &Basins) -> Panel {
         f64::from(cut)
     });
     let bar = Bar::new("cycle of the last contact", 0.0, f64::from(cycles));
-    cycle_panel(basins, last.collect(), bar).titled("how long it strikes")
+    cycle_panel(basins, &last.collect::<Vec<_>>(), bar).titled("how long it strikes")
 }
 
 /// The drive cycle from which the motion of each start repeats; empty where it does not.
@@ -144,20 +151,14 @@ fn settling_panel(basins: &Basins) -> Panel {
     let values: Vec<f64> = basins.grid.iter().map(settled).collect();
     let latest = values.iter().copied().fold(1.0, f64::max);
     let bar = Bar::new("cycle from which it repeats", 0.0, latest);
-    cycle_panel(basins, values, bar).titled("every start strikes to the end: how soon it repeats")
+    cycle_panel(basins, &values, bar).titled("every start strikes to the end: how soon it repeats")
 }
 
 /// A number of drive cycles for each start.
-fn cycle_panel(basins: &Basins, values: Vec<f64>, bar: Bar) -> Panel {
-    let window = &basins.query.window;
-    let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
-    let [v0, v1] = window.velocity_m_per_s;
-    let raster = Raster::values((x0, x1), (v0, v1), window.columns, &values, bar);
-    Panel::new(
-        Axis::new("displacement at the start, mm").fixed(x0, x1),
-        Axis::new("velocity at the start, m/s").fixed(v0, v1),
-    )
-    .item(Item::Raster(raster))
+fn cycle_panel(basins: &Basins, values: &[f64], bar: Bar) -> Panel {
+    over_starts(basins, |x, v, columns| {
+        Raster::values(x, v, columns, values, bar)
+    })
 }
 
 /// Share of impact among the random starts over the number of cycles.

@@ -84,9 +84,7 @@ pub fn over_speed(rows: &[ContactFigures]) -> [Panel; 2] {
 /// Panels in a grid of two columns.
 pub fn grid(title: String, subtitle: String, panels: impl IntoIterator<Item = Panel>) -> Figure {
     let mut figure = Figure::new(title).subtitle(subtitle).columns(2);
-    for panel in panels {
-        figure = figure.panel(panel);
-    }
+    figure.panels.extend(panels);
     let rows = figure.panels.len().div_ceil(2) as u32;
     figure.size(1200, 120 + 400 * rows)
 }

@@ -22,15 +22,10 @@ pub fn figure(
     let Some(first) = fits.first() else {
         return figure;
     };
-    for panel in forces(measured, first) {
-        figure = figure.panel(panel);
-    }
-    figure = figure.panel(peaks(fits));
-    for i in 0..first.profiles.len() {
-        if let Some(panel) = profile(first, i) {
-            figure = figure.panel(panel);
-        }
-    }
+    let profiles = (0..first.profiles.len()).filter_map(|i| profile(first, i));
+    figure.panels.extend(forces(measured, first));
+    figure.panels.push(peaks(fits));
+    figure.panels.extend(profiles);
     let rows = figure.panels.len().div_ceil(2) as u32;
     figure.size(1200, 130 + 390 * rows)
 }

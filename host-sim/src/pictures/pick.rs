@@ -6,7 +6,7 @@ use files::words::pick::{at_stroke, other_cart, why};
 use numerics::CartModel;
 use numerics::pick::Pick;
 use numerics::row::{Outcome, RunRow};
-use plot::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel, Point};
 use shared::model::regime::Regime;
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
@@ -92,12 +92,10 @@ fn panel(pick: &Pick) -> Panel {
         CURVE,
         pick.curve.clone(),
     ));
-    for (regime, points) in by_regime(pick.up.iter()) {
-        panel = panel.item(regime_points(&regime, points));
-    }
-    for (regime, points) in by_regime(pick.down.iter()) {
-        panel = panel.item(regime_rings(&regime, points));
-    }
+    let placed = |row| -> (&RunRow, Point) { (row, (row.frequency_hz, row.force_ratio)) };
+    let [up, down] = [&pick.up, &pick.down].map(|rows| rows.iter().map(placed));
+    panel.items.extend(by_regime(up, regime_points));
+    panel.items.extend(by_regime(down, regime_rings));
     let at_natural = answer.force_ratio_at_natural_frequency;
     panel = panel
         .item(Item::mark_x("natural frequency", natural))
@@ -141,16 +139,21 @@ fn legend(outcome: Outcome) -> String {
     }
 }
 
-/// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
-pub fn by_regime<'a>(rows: impl Iterator<Item = &'a RunRow>) -> Vec<(String, Vec<(f64, f64)>)> {
-    let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    for row in rows.filter(|row| !row.failed) {
-        let point = (row.frequency_hz, row.force_ratio);
+/// An `item` for each regime, in order of first appearance, of rows that did not fail and their places.
+pub fn by_regime<'a>(
+    rows: impl Iterator<Item = (&'a RunRow, Point)>,
+    item: fn(&str, Vec<Point>) -> Item,
+) -> Vec<Item> {
+    let mut groups: Vec<(String, Vec<Point>)> = Vec::new();
+    for (row, point) in rows.filter(|(row, _)| !row.failed) {
         let label = legend(row.outcome());
         match groups.iter_mut().find(|(known, _)| *known == label) {
             Some((_, points)) => points.push(point),
             None => groups.push((label, vec![point])),
         }
     }
+    let groups = groups.into_iter();
     groups
+        .map(|(regime, points)| item(&regime, points))
+        .collect()
 }

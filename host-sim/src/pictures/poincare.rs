@@ -90,9 +90,8 @@ pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> 
     for (phase, section) in request.phases.iter().zip(&portrait.sections) {
         let mut panel = Panel::new(DISPLACEMENT, VELOCITY)
             .titled(format!("Section at drive phase {phase:?} turns"));
-        for item in by_contacts(section, portrait.regime.periods(), 1.0) {
-            panel = panel.item(item);
-        }
+        let items = by_contacts(section, portrait.regime.periods(), 1.0);
+        panel.items.extend(items);
         figure = figure.panel(panel);
     }
     let rows = (1 + request.phases.len()).div_ceil(2) as u32;
@@ -109,9 +108,8 @@ pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) ->
     let mut plane = Panel::new(DISPLACEMENT, VELOCITY)
         .titled("b) Phase plane and section at drive phase 0")
         .item(Item::line("trajectory", Color::SKY, line(shown)));
-    for item in by_contacts(&portrait.sections[0], portrait.regime.periods(), 3.0) {
-        plane = plane.item(item);
-    }
+    let items = by_contacts(&portrait.sections[0], portrait.regime.periods(), 3.0);
+    plane.items.extend(items);
     headed(rig, request, portrait)
         .columns(2)
         .size(1200, 520)

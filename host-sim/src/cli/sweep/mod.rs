@@ -266,12 +266,7 @@ fn curves(direction: Direction, rows: &[RunRow], others: Option<&[RunRow]>) -> P
         .clone()
         .find(|r| r.force_ratio > 0.0)
         .map_or(1.0, |r| r.force_n / r.force_ratio);
-    for (regime, points) in by_regime(all) {
-        let newtons = points
-            .into_iter()
-            .map(|(hz, ratio)| (hz, ratio * weight_n))
-            .collect();
-        panel = panel.item(regime_points(&regime, newtons));
-    }
+    let placed = all.map(|row| (row, (row.frequency_hz, row.force_ratio * weight_n)));
+    panel.items.extend(by_regime(placed, regime_points));
     panel
 }

@@ -188,18 +188,8 @@ fn figure(
     let curve = rows.iter().map(|r| (r.value, r.row.force_n)).collect();
     let mut panel = Panel::new(axis, Axis::new("contact force, N").with_zero())
         .item(Item::line("force", BLUE, curve));
-    // Points by regime come with frequencies and force ratios: here the values and newtons take their places.
-    let placed: Vec<RunRow> = rows
-        .iter()
-        .map(|r| RunRow {
-            frequency_hz: r.value,
-            force_ratio: r.row.force_n,
-            ..r.row.clone()
-        })
-        .collect();
-    for (regime, points) in by_regime(placed.iter()) {
-        panel = panel.item(regime_points(&regime, points));
-    }
+    let placed = rows.iter().map(|r| (r.row, (r.value, r.row.force_n)));
+    panel.items.extend(by_regime(placed, regime_points));
     Figure::new(heading(rig, asked, rows))
         .subtitle(format!(
             "Largest contact force of the recorded cycles, {how}."
