@@ -109,10 +109,8 @@ impl ChangeRow {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let request = request(args)?;
-    let output = &output.about([&request.rig])?;
+    let output = &args.output.about([&request.rig])?;
     let measured = args
         .measured
         .as_deref()
@@ -158,9 +156,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 fn request(args: &Args) -> Result<DiagramRequest, UserError> {
-    let output = &args.output;
     let rig = args.cart.apply(args.rig.name.load()?)?;
-    output.doubt_without_uncertainty(&rig);
+    args.output.doubt_without_uncertainty(&rig);
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     let recorded = args.recorded.unwrap_or(usual_recorded(args.cycles));
@@ -183,7 +180,7 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
             Which::Down => vec![Direction::Down],
             Which::All => vec![Direction::Rest, Direction::Up, Direction::Down],
         },
-        engine: args.engine.engine(output)?,
+        engine: args.engine.engine(&args.output)?,
         plan: CellPlan {
             cycles: args.cycles,
             recorded,

@@ -71,10 +71,8 @@ const COMPARING: f64 = 15.0;
 const WRITING: f64 = 35.0;
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let question = ComparisonRequest {
         params: rig.params,

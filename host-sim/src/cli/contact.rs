@@ -53,10 +53,8 @@ struct Case {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let case = case(args)?;
-    let output = &output.about(&case.rig)?;
+    let output = &args.output.about(&case.rig)?;
     let mut all = Vec::new();
     for (name, law) in &case.laws {
         all.extend(rows(name, *law, case.mass_kg, &case.speeds)?);

@@ -93,11 +93,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.rig.load()?;
-    output.doubt(&rig);
-    let output = &output.about([&rig])?;
+    args.output.doubt(&rig);
+    let output = &args.output.about([&rig])?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
     let picture = || output.picture(&figure(&rig.name, &test, &rows));

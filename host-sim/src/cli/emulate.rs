@@ -63,7 +63,6 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
-    args.output.check()?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
     let scenario = scenario::load(name)?;

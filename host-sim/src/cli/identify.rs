@@ -122,15 +122,13 @@ struct Row {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let Some(file) = args.file.as_ref().filter(|_| !args.coverage.wanted()) else {
-        return args.coverage.run(args.misfit, output);
+        return args.coverage.run(args.misfit, &args.output);
     };
     let families = families(args)?;
     let rig = args.rig.load()?;
-    output.doubt(&rig);
-    let output = &output.about([&rig])?;
+    args.output.doubt(&rig);
+    let output = &args.output.about([&rig])?;
     let signal = crate::record::read(file, |line| output.note(line), |_| ())?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;

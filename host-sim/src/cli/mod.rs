@@ -60,7 +60,8 @@ struct Cli {
 }
 
 /// The commands, from a list of modules: each has its `Args`, with help and examples, and its `run`. One that `answers` has
-/// output options, which must know the request; one that `cites` only says in its files what they were made from.
+/// output options, which must know the request and are checked before it runs; one that `cites` only says in its files what
+/// they were made from.
 macro_rules! commands {
     ($($name:ident($module:ident) $($request:ident)?,)+) => {
         #[derive(Debug, Subcommand)]
@@ -78,11 +79,16 @@ macro_rules! commands {
 
             fn run(&self) -> Result<i32, UserError> {
                 match self {
-                    $(Self::$name(args) => $module::run(args).map(ExitCode::from).map(|code| code.0),)+
+                    $(Self::$name(args) => {
+                        $(commands!(@check $request args);)?
+                        $module::run(args).map(ExitCode::from).map(|code| code.0)
+                    })+
                 }
             }
         }
     };
+    (@check answers $args:ident) => { $args.output.check()? };
+    (@check cites $args:ident) => {};
     (@answers $args:ident, $request:ident) => { $args.output.asked($request) };
     (@cites $args:ident, $request:ident) => { $args.made_from = $request.made_from };
 }

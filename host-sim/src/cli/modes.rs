@@ -74,10 +74,8 @@ impl From<&BendingMode> for ModeAnswer {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let beam = Beam {
         tip: args.tip,

@@ -75,16 +75,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
     if args.against.is_some() && rig.params.cart.recoils() {
         let refused = UserError::from(Error::Recoil("the smoothing method"));
         return Err(refused.at("--against smoothed"));
     }
-    output.doubt_without_uncertainty(&rig);
+    args.output.doubt_without_uncertainty(&rig);
     let request = request(args, &rig)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     match args.against {
         Some(Other::Smoothed) => run_against(args, output, &rig, &request),
         None => run_section(args, output, &rig, &request),

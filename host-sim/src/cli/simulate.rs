@@ -53,10 +53,8 @@ const SHOWN_PERIODS: f64 = 6.0;
 const SAMPLES_PER_PERIOD: usize = 400;
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;

@@ -72,8 +72,6 @@ struct Answer<'a> {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let (usual, usual_s) = if args.long { (40, 600.0) } else { (200, 60.0) };
     let (trials, seconds) = (args.count.unwrap_or(usual), args.seconds.unwrap_or(usual_s));
     let (least, most) = DURATION_S;
@@ -93,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         super::terminal::print(&text);
         return Ok(());
     }
-    let output = &output.about(&rigs)?;
+    let output = &args.output.about(&rigs)?;
     let what = format!("trials of {seconds} s");
     let progress = ProgressLine::new(what, u64::from(trials), output.quiet);
     if args.long {

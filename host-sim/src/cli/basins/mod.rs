@@ -18,7 +18,6 @@ use files::range::at_most;
 use numerics::NamedRig;
 use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, BasinsSummary, StartWindow, cells, explore};
-use numerics::engine::Engine;
 
 /// Basins of attraction: which initial conditions lead to impact, and what they settle on
 #[derive(Debug, clap::Args)]
@@ -97,17 +96,27 @@ struct Found {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
-    let engine = args.engine.engine(output)?;
+    let engine = args.engine.engine(&args.output)?;
     at_most("--samples", args.samples, 1_000_000)?;
     let queries = queries(args)?;
-    let output = &about(args, &queries)?;
+    // The chapter's points name their figures.
+    let mut rigs: Vec<&NamedRig> = Vec::new();
+    for (_, query) in &queries {
+        if !rigs.contains(&&query.rig) {
+            rigs.push(&query.rig);
+        }
+    }
+    let output = &args.output.about(rigs)?;
     let total = queries.iter().map(|(_, query)| query.runs()).sum();
     let progress = ProgressLine::new("starts", total, output.quiet);
     let mut found = Vec::with_capacity(queries.len());
     for (point, query) in queries {
-        found.push(find(engine, point, &query, &progress)?);
+        let basins = explore(engine, &query, &progress)?;
+        found.push(Found {
+            point,
+            summary: basins.summary(),
+            basins,
+        });
     }
     progress.finish();
     let failed: usize = found.iter().map(|one| one.summary.failed).sum();
@@ -118,35 +127,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     write(output, &found)?;
     answer(output, &found)
-}
-
-/// The output of these points; the chapter's name their figures.
-fn about(
-    args: &Args,
-    queries: &[(Option<ChapterBasin>, BasinsRequest)],
-) -> Result<OutputArgs, UserError> {
-    let mut rigs: Vec<&NamedRig> = Vec::new();
-    for (_, query) in queries {
-        if !rigs.contains(&&query.rig) {
-            rigs.push(&query.rig);
-        }
-    }
-    args.output.about(rigs)
-}
-
-fn find(
-    engine: Engine,
-    point: Option<ChapterBasin>,
-    query: &BasinsRequest,
-    progress: &ProgressLine,
-) -> Result<Found, UserError> {
-    let basins = explore(engine, query, progress)?;
-    let summary = basins.summary();
-    Ok(Found {
-        point,
-        basins,
-        summary,
-    })
 }
 
 fn queries(args: &Args) -> Result<Vec<(Option<ChapterBasin>, BasinsRequest)>, UserError> {

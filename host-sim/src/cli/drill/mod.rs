@@ -89,13 +89,11 @@ pub struct DrillReport {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     if args.published {
-        return published::run(&args.oscillator, args.settle, output);
+        return published::run(&args.oscillator, args.settle, &args.output);
     }
     let rig = args.cart.apply(args.rig.name.load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let answer = answer(args, &rig, output)?;
     let pictures = || {

@@ -102,7 +102,6 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    args.output.check()?;
     let requests = requests::requests(args)?;
     check(args, &requests)?;
     let stem = file_name(&args.output, &requests[0]);

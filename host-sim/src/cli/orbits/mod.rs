@@ -104,10 +104,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     let rig = args.cart.apply(args.rig.at(one_gap(args)?).load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     if args.curves {
         return lines::run(args, output, &rig);

@@ -110,7 +110,6 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
-    output.check()?;
     let limits = limits(args)?;
     let springs = args.springs.springs()?;
     args.uncertainty.check()?;

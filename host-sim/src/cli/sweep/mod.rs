@@ -64,13 +64,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output;
-    output.check()?;
     if let Some(asked) = &args.over {
         return over::run(args, asked);
     }
     let rig = args.cart.apply(args.rig.load()?)?;
-    let output = &output.about([&rig])?;
+    let output = &args.output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
