@@ -1,6 +1,6 @@
 //! `host-sim identify --coverage`: how often the intervals hold the truth.
 
-use serde::Serialize;
+use serde_json::json;
 
 use super::arguments::output::OutputArgs;
 use crate::progress::ProgressLine;
@@ -32,14 +32,6 @@ pub struct CoverageArgs {
     /// Seed of what the drop tests of the coverage draw
     #[arg(long, value_name = "N", default_value_t = 1, requires = "coverage")]
     seed: u64,
-}
-
-/// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    tests: usize,
-    seed: u64,
-    rows: &'a [CoverageRow],
 }
 
 impl CoverageArgs {
@@ -74,11 +66,7 @@ impl CoverageArgs {
         let progress = ProgressLine::new("drop tests", work as u64, output.quiet);
         let rows = table(&cases, &misfits, self.tests, self.seed, &progress)?;
         progress.finish();
-        let answer = Answer {
-            tests: self.tests,
-            seed: self.seed,
-            rows: &rows,
-        };
+        let answer = json!({ "tests": self.tests, "seed": self.seed, "rows": rows });
         output.answer(&answer, &rows, || Ok(Vec::new()), || self.text(&rows))
     }
 

@@ -1,6 +1,8 @@
 //! `host-sim modes`.
 
-use serde::Serialize;
+use std::f64::consts::TAU;
+
+use serde_json::json;
 
 use super::arguments::choice::choice;
 use super::arguments::cycles::CycleArgs;
@@ -48,31 +50,6 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
-/// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    modes: &'a [ModeAnswer],
-    rows: &'a [ModesRow],
-}
-
-/// A mode of the rig.
-#[derive(Serialize)]
-struct ModeAnswer {
-    frequency_hz: f64,
-    mass_kg: f64,
-    participation_kg: f64,
-}
-
-impl From<&BendingMode> for ModeAnswer {
-    fn from(mode: &BendingMode) -> Self {
-        Self {
-            frequency_hz: mode.omega / std::f64::consts::TAU,
-            mass_kg: mode.mass_kg,
-            participation_kg: mode.participation_kg,
-        }
-    }
-}
-
 pub fn run(args: &Args) -> Result<(), UserError> {
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &args.output.about([&rig])?;
@@ -91,11 +68,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         )));
     }
     let most = args.modes.iter().copied().max().unwrap_or(0);
-    let modes: Vec<_> = ModalRig::new(&rig.params, beam, most)?
-        .modes
-        .iter()
-        .map(ModeAnswer::from)
-        .collect();
+    let modes = ModalRig::new(&rig.params, beam, most)?.modes;
     let plan = ModesRequest {
         rig: &rig,
         beam,
@@ -107,10 +80,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let progress = ProgressLine::new("runs", runs, output.quiet);
     let rows = plan.run(&progress)?;
     progress.finish();
-    let answer = Answer {
-        modes: &modes,
-        rows: &rows,
+    let mode = |mode: &BendingMode| {
+        json!({
+            "frequency_hz": mode.omega / TAU,
+            "mass_kg": mode.mass_kg,
+            "participation_kg": mode.participation_kg,
+        })
     };
+    let answer = json!({ "modes": modes.iter().map(mode).collect::<Vec<_>>(), "rows": rows });
     let picture = || output.picture(&figure(&rows, &args.modes));
     output.answer(&answer, &rows, picture, || text(&modes, &rows, &args.modes))
 }
@@ -135,14 +112,14 @@ fn heading(rows: &[ModesRow]) -> String {
     })
 }
 
-fn text(modes: &[ModeAnswer], rows: &[ModesRow], counts: &[usize]) -> String {
+fn text(modes: &[BendingMode], rows: &[ModesRow], counts: &[usize]) -> String {
     let mut text = heading(rows);
     text += "\n\nmode   frequency, Hz   modal mass, kg   participation, kg\n";
     for (i, mode) in modes.iter().enumerate() {
         text += &format!(
             "{:>4} {:>15.3} {:>16.4} {:>19.5}\n",
             i + 1,
-            mode.frequency_hz,
+            mode.omega / TAU,
             mode.mass_kg,
             mode.participation_kg
         );

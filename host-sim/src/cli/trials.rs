@@ -3,6 +3,7 @@
 mod long;
 
 use serde::Serialize;
+use serde_json::json;
 
 use super::arguments::output::OutputArgs;
 use crate::pictures::trials::figure;
@@ -62,15 +63,6 @@ struct Line {
     distribution: Distribution,
 }
 
-/// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    seed: u64,
-    seconds_s: f64,
-    distributions: &'a [Line],
-    trials: &'a [TrialRow],
-}
-
 pub fn run(args: &Args) -> Result<(), UserError> {
     let (usual, usual_s) = if args.long { (40, 600.0) } else { (200, 60.0) };
     let (trials, seconds) = (args.count.unwrap_or(usual), args.seconds.unwrap_or(usual_s));
@@ -102,12 +94,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
     let lines = lines(&names, &outcomes);
     let rows: Vec<TrialRow> = outcomes.iter().map(TrialRow::from).collect();
-    let answer = Answer {
-        seed: args.seed,
-        seconds_s: seconds,
-        distributions: &lines,
-        trials: &rows,
-    };
+    let answer = json!({
+        "seed": args.seed,
+        "seconds_s": seconds,
+        "distributions": lines,
+        "trials": rows,
+    });
     let picture = || output.picture(&figure(&names, &outcomes, seconds));
     output.answer(&answer, &rows, picture, || {
         text(outcomes.len(), seconds, args.seed, &lines)

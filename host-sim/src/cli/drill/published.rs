@@ -1,6 +1,7 @@
 //! `host-sim drill --published`: the published drifting oscillator on the same ground.
 
 use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
@@ -41,12 +42,6 @@ fn forces(text: &str) -> Result<Forces, String> {
     Ok(Forces(
         values.into_iter().map(numerics::row::tidy).collect(),
     ))
-}
-
-#[derive(Serialize)]
-struct Answer<'a> {
-    stretches: &'a [Stretch],
-    rows: &'a [DriftingRow],
 }
 
 /// Neighbouring static forces with motions that repeat after the same number of periods.
@@ -120,10 +115,7 @@ pub fn run(args: &PublishedOscillator, settle: u32, output: &OutputArgs) -> Resu
             motions: same.len(),
         })
         .collect();
-    let answer = Answer {
-        stretches: &stretches,
-        rows: &rows,
-    };
+    let answer = json!({ "stretches": stretches, "rows": rows });
     let files = || {
         let mut files = output.picture(&drifting(&rows))?;
         files.push((output.name("-points.csv"), to_csv(&points(&rows))));

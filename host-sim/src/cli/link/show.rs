@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use serde_json::{Value, json};
 use shared::control::{SettingsState, Status, Unfit};
 use shared::fault::{Fault, FaultRecord};
 use shared::link::{BoardState, ForecastPage, FromBoard, Hello, LinkAnswer, ToBoard};
@@ -70,17 +71,6 @@ fn fault(record: &FaultRecord) -> String {
     )
 }
 
-#[derive(Serialize)]
-struct FaultAnswer {
-    code: u8,
-    name: &'static str,
-    value: f32,
-    tick: u32,
-    frequency_hz: f32,
-    /// Every fault since the last was cleared, by number.
-    episode: Vec<&'static str>,
-}
-
 pub fn status(
     port: &mut Port,
     hello: &Hello,
@@ -92,14 +82,6 @@ pub fn status(
     if format == Format::Json {
         let mut answer = serde_json::to_value(status)
             .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
-        let fault = status.fault.map(|record| FaultAnswer {
-            code: record.fault.code(),
-            name: record.fault.name(),
-            value: record.value,
-            tick: record.tick,
-            frequency_hz: record.frequency_hz,
-            episode: record.episode.faults().map(Fault::name).collect(),
-        });
         answer["board"] = hello.board.as_str().into();
         answer["firmware"] = hello.firmware.as_str().into();
         answer["state"] = state_name(status.state).into();
@@ -108,8 +90,16 @@ pub fn status(
             .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
         answer["held"] = board.held.into();
         answer["awaits_acknowledgement"] = board.awaits_acknowledgement.into();
-        answer["fault"] = serde_json::to_value(fault)
-            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        answer["fault"] = status.fault.map_or(Value::Null, |record| {
+            json!({
+                "code": record.fault.code(),
+                "name": record.fault.name(),
+                "value": record.value,
+                "tick": record.tick,
+                "frequency_hz": record.frequency_hz,
+                "episode": record.episode.faults().map(Fault::name).collect::<Vec<_>>(),
+            })
+        });
         print(&into_json(to_json(&answer)?, made));
         return Ok(());
     }

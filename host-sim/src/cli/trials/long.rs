@@ -1,6 +1,6 @@
 //! `host-sim trials --long`.
 
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::arguments::output::OutputArgs;
 use crate::progress::ProgressLine;
@@ -8,15 +8,6 @@ use emulator::trials::Believed;
 use emulator::trials::long::{Campaign, LongRow, drift, run_all};
 use files::UserError;
 use files::words::count;
-
-/// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    seed: u64,
-    seconds_s: f64,
-    campaign: &'a Campaign,
-    trials: &'a [LongRow],
-}
 
 pub(super) fn run(
     seed: u64,
@@ -29,12 +20,12 @@ pub(super) fn run(
     let rows = run_all(seed, trials, rigs, seconds, progress)?;
     progress.finish();
     let campaign = Campaign::of(&rows);
-    let answer = Answer {
-        seed,
-        seconds_s: seconds,
-        campaign: &campaign,
-        trials: &rows,
-    };
+    let answer = json!({
+        "seed": seed,
+        "seconds_s": seconds,
+        "campaign": campaign,
+        "trials": rows,
+    });
     let no_picture = || Ok(Vec::new());
     output.answer(&answer, &rows, no_picture, || {
         text(seed, seconds, &campaign, &rows)
