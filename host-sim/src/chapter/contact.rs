@@ -4,12 +4,11 @@ use shared::model::contact::{Law, LawKind, TABLE_3_1};
 
 use super::{ChapterVerdict, Statement};
 use crate::figures::Effort;
-use crate::figures::section::rig;
+use crate::figures::section::{from_rest, rig};
 use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::contact_law::{ContactFigures, FIGURE_3_3, FIGURE_3_3_MASS_KG, rows};
-use numerics::engine::Start;
-use numerics::poincare::{SectionRequest, against};
+use numerics::poincare::against;
 
 /// The hammer's mass and its approach speed in a drop from 3 mm, about.
 const MASS_KG: f64 = 0.298;
@@ -100,19 +99,9 @@ fn laws() -> Result<Vec<Statement>, UserError> {
 
 fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let rig = rig("wires", 1.0)?;
-    let (points, widths): (u32, &[f64]) = match effort {
-        Effort::Full => (4000, &against::WIDTHS_M),
-        Effort::Coarse => (300, &against::WIDTHS_M[..1]),
-    };
-    let request = SectionRequest {
-        params: rig.params,
-        frequency_hz: 2.7 * rig.params.natural_frequency_hz(),
-        start: Start::Rest,
-        phases: vec![0.0],
-        transient: 200,
-        points,
-    };
-    let found = against::against(&request, widths, progress)?;
+    let (points, widths) = effort.of((4000, 3), (300, 1));
+    let request = from_rest(&rig, 2.7, 200, points);
+    let found = against::against(&request, &against::WIDTHS_M[..widths], progress)?;
     let steps = found.smoothed.iter().map(|s| s.summary.steps_per_period);
     let most = steps.fold(0.0, f64::max);
     let carried = found.smoothed.iter().map(|s| s.summary.carried);

@@ -17,11 +17,7 @@ use shared::model::params::WIRES;
 const EVERY: usize = 6;
 
 fn map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
-    let every = match effort {
-        Effort::Full => 1,
-        Effort::Coarse => EVERY,
-    };
-    chapter_map(name, every, progress)
+    chapter_map(name, effort.of(1, EVERY), progress)
 }
 
 pub fn wires(effort: Effort, progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
@@ -155,10 +151,7 @@ fn basin(
     effort: Effort,
     progress: &ProgressLine,
 ) -> Result<Statement, UserError> {
-    let side = match effort {
-        Effort::Full => 100,
-        Effort::Coarse => 60,
-    };
+    let side = effort.of(100, 60);
     let share = |point: &ChapterBasin| -> Result<f64, UserError> {
         let mut query = point.query(side, side)?;
         query.samples = 0;

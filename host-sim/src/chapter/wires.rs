@@ -2,15 +2,14 @@
 
 use super::{ChapterVerdict, Statement};
 use crate::figures::force_curves::curves;
-use crate::figures::section::{SHOWN, rig};
+use crate::figures::section::{SHOWN, from_rest, rig};
 use crate::figures::{Effort, bifurcation};
 use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::PickLimits;
 use numerics::branch::BranchEnd;
-use numerics::engine::Start;
 use numerics::pick::{PickAnswer, pick};
-use numerics::poincare::{SectionRequest, portrait};
+use numerics::poincare::portrait;
 use numerics::sweep::jumps;
 use shared::model::regime::Regime;
 
@@ -55,15 +54,7 @@ fn sections(progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = Vec::new();
     for (figure, gap_mm, ratio, words, named) in SHOWN {
         let rig = rig("wires", gap_mm)?;
-        let request = SectionRequest {
-            params: rig.params,
-            frequency_hz: ratio * rig.params.natural_frequency_hz(),
-            start: Start::Rest,
-            phases: vec![0.0],
-            transient: 500,
-            points: 100,
-        };
-        let regime = portrait(&request, progress)?.regime;
+        let regime = portrait(&from_rest(&rig, ratio, 500, 100), progress)?.regime;
         // After a band's bifurcation neither band's motion is left.
         let after = words.contains("after the");
         let verdict = match named {

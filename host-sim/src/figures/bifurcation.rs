@@ -93,7 +93,7 @@ pub fn wires(
     progress: &ProgressLine,
 ) -> Result<Vec<Page>, UserError> {
     let rig = rig("wires", gap_mm)?;
-    let count = if effort == Effort::Full { 588 } else { 60 };
+    let count = effort.of(588, 60);
     let whole = compute(
         effort,
         &rig,
@@ -120,7 +120,7 @@ fn detail(
     (from, to): (f64, f64),
     progress: &ProgressLine,
 ) -> Result<Detail, UserError> {
-    let count = if effort == Effort::Full { 400 } else { 30 };
+    let count = effort.of(400, 30);
     let natural = rig.params.natural_frequency_hz();
     let near = spread(from * natural, to * natural, count);
     let diagrams = compute(effort, rig, &[gap_mm], near, &[Direction::Rest], progress)?;
@@ -233,7 +233,7 @@ pub fn end_and_chaos(
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 3.0];
-    let count = if effort == Effort::Full { 588 } else { 40 };
+    let count = effort.of(588, 40);
     let named = [
         ("3.43", "beam-170"),
         ("3.44", "beam-150"),

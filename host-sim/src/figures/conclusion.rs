@@ -25,10 +25,7 @@ const RIGS: [(&str, [f64; 3]); 4] = [
 /// # Errors
 /// As those of [`advise`].
 pub fn pages(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (samples, starts, rigs) = match effort {
-        Effort::Full => (64, 400, &RIGS[..]),
-        Effort::Coarse => (0, 20, &RIGS[..1]),
-    };
+    let (samples, starts, rigs) = effort.of((64, 400, &RIGS[..]), (0, 20, &RIGS[..1]));
     let uncertainty = (samples > 0).then(|| Uncertainty {
         samples,
         ..Uncertainty::default()

@@ -30,17 +30,12 @@ pub fn curves(
     effort: Effort,
     progress: &ProgressLine,
 ) -> Result<Vec<SweepCurves>, UserError> {
-    let (count, plan) = match effort {
-        Effort::Full => (441, CellPlan::CHAPTER),
-        Effort::Coarse => (
-            12,
-            CellPlan {
-                cycles: 60,
-                recorded: 20,
-                ..CellPlan::CHAPTER
-            },
-        ),
+    let few = CellPlan {
+        cycles: 60,
+        recorded: 20,
+        ..CellPlan::CHAPTER
     };
+    let (count, plan) = effort.of((441, CellPlan::CHAPTER), (12, few));
     let ratios = spread(from, to, count);
     let ways = [Direction::Rest, Direction::Up, Direction::Down];
     let sweeps = rigs.iter().flat_map(|rig| ways.map(|way| (*rig, way)));

@@ -76,10 +76,7 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn switch_model(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (rows, columns, cycles) = match effort {
-        Effort::Full => (24, 40, 150),
-        Effort::Coarse => (3, 4, 30),
-    };
+    let (rows, columns, cycles) = effort.of((24, 40, 150), (3, 4, 30));
     let plan = CellPlan {
         cycles,
         recorded: cycles / 3,
@@ -141,10 +138,8 @@ pub fn chapter_map(name: &str, step: usize, progress: &ProgressLine) -> Result<M
 }
 
 fn effort_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
-    match effort {
-        Effort::Full => chapter_map(name, 1, progress),
-        Effort::Coarse => map_of(name, 24, COARSE, progress),
-    }
+    let (step, plan) = effort.of((1, CellPlan::CHAPTER), (24, COARSE));
+    map_of(name, step, plan, progress)
 }
 
 fn map_of(
@@ -168,10 +163,7 @@ fn map_of(
 fn detail_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
     let rig = NamedRig::preset(name)?;
     let ((from, to), (low, high)) = DETAIL;
-    let (columns, rows, plan) = match effort {
-        Effort::Full => (441, 281, CellPlan::CHAPTER),
-        Effort::Coarse => (12, 8, COARSE),
-    };
+    let (columns, rows, plan) = effort.of((441, 281, CellPlan::CHAPTER), (12, 8, COARSE));
     let natural_hz = rig.params.natural_frequency_hz();
     let amplitude_mm = rig.params.amplitude_m * 1e3;
     let grid = Grid {

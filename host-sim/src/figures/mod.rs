@@ -77,6 +77,16 @@ pub enum Effort {
     Coarse,
 }
 
+impl Effort {
+    /// What goes with it: `full` or `coarse`.
+    pub fn of<T>(self, full: T, coarse: T) -> T {
+        match self {
+            Self::Full => full,
+            Self::Coarse => coarse,
+        }
+    }
+}
+
 /// Makes the pages of one area.
 pub type PageMaker = fn(Effort, &ProgressLine) -> Result<Vec<Page>, UserError>;
 
@@ -249,10 +259,7 @@ pub fn alone(figure: &str, effort: Effort) -> String {
         true => format!("'{figure}'"),
         false => figure.to_owned(),
     };
-    let coarse = match effort {
-        Effort::Full => "",
-        Effort::Coarse => " --coarse",
-    };
+    let coarse = effort.of("", " --coarse");
     format!("host-sim figures --only {name}{coarse}")
 }
 

@@ -17,10 +17,7 @@ const MASS_RATIO: f64 = 0.1;
 
 /// Step of the frequency ratio, and cycles.
 fn resolution(effort: Effort) -> (f64, Cycles) {
-    let (step, cycles) = match effort {
-        Effort::Full => (0.02, 400),
-        Effort::Coarse => (0.5, 120),
-    };
+    let (step, cycles) = effort.of((0.02, 400), (0.5, 120));
     let transient = cycles - 60;
     (step, Cycles { cycles, transient })
 }
@@ -164,10 +161,7 @@ pub fn change_over(
     progress: &ProgressLine,
 ) -> Result<ModesChange, UserError> {
     let rig = rigfile::load(beam, &[])?;
-    let count: u32 = match effort {
-        Effort::Full => 80,
-        Effort::Coarse => 40,
-    };
+    let count: u32 = effort.of(80, 40);
     let natural = rig.params.natural_frequency_hz();
     let hz = (0..=count).map(|i| natural * (1.0 + 1.6 * f64::from(i) / f64::from(count)));
     let hz: Vec<f64> = hz.collect();
@@ -233,10 +227,8 @@ fn mass_curves(
     progress: &ProgressLine,
 ) -> Result<(Vec<MassCurves>, Vec<ModesRow>), UserError> {
     let (_, cycles) = resolution(effort);
-    let (count, masses): (u32, &[f64]) = match effort {
-        Effort::Full => (70, &[0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5]),
-        Effort::Coarse => (4, &[0.05, 0.3]),
-    };
+    const MASSES: [f64; 8] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5];
+    let (count, masses) = effort.of((70u32, &MASSES[..]), (4, &[0.05, 0.3][..]));
     let rig = rigfile::load("beam-170", &[])?;
     let (mut curves, mut all) = (Vec::new(), Vec::new());
     for tip in [TipJoint::Guided, TipJoint::Free] {

@@ -41,10 +41,7 @@ fn branch_page(figure: &'static str, gap_mm: f64, effort: Effort) -> Result<Page
         gap_m: gap_mm * 1e-3,
         ..WIRES
     };
-    let (starts, behind) = match effort {
-        Effort::Full => (40, 800),
-        Effort::Coarse => (8, 20),
-    };
+    let (starts, behind) = effort.of((40, 800), (8, 20));
     let request = OrbitsRequest {
         along: Along::Frequency,
         limits: (0.8, 4.0),
@@ -78,10 +75,7 @@ const MAP_FREQUENCIES_HZ: (f64, f64) = (1.41, 7.28);
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn over_the_map(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (gaps, frequencies, lines_at, starts) = match effort {
-        Effort::Full => (179, 148, 90, 24),
-        Effort::Coarse => (7, 8, 5, 6),
-    };
+    let (gaps, frequencies, lines_at, starts) = effort.of((179, 148, 90, 24), (7, 8, 5, 6));
     let along = |(from, to): (f64, f64), count: usize| numerics::sweep::spread(from, to, count);
     let (columns, rows) = (
         along(MAP_GAPS_MM, gaps),

@@ -6,12 +6,24 @@ use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
 use numerics::engine::Start;
-use numerics::poincare::{self, against};
+use numerics::poincare::{self, SectionRequest, against};
 
 /// The preset called `name` at `gap_mm`.
 pub(crate) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
     let NamedRig { name, params, .. } = NamedRig::preset(name)?;
     Ok(NamedRig::new(name, params.with_gap_mm(gap_mm)?))
+}
+
+/// The section of `rig` from rest at drive phase 0: `points` after a transient, at the frequency ratio `ratio`.
+pub(crate) fn from_rest(rig: &NamedRig, ratio: f64, transient: u32, points: u32) -> SectionRequest {
+    SectionRequest {
+        params: rig.params,
+        frequency_hz: ratio * rig.params.natural_frequency_hz(),
+        start: Start::Rest,
+        phases: vec![0.0],
+        transient,
+        points,
+    }
 }
 
 /// Figure 3.4's point on this rig.
@@ -21,18 +33,8 @@ pub(crate) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
 pub fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
     const RATIO: f64 = 2.7;
     let rig = rig("wires", 1.0)?;
-    let (points, transient) = match effort {
-        Effort::Full => (10_000, 500),
-        Effort::Coarse => (200, 100),
-    };
-    let request = poincare::SectionRequest {
-        params: rig.params,
-        frequency_hz: RATIO * rig.params.natural_frequency_hz(),
-        start: Start::Rest,
-        phases: vec![0.0],
-        transient,
-        points,
-    };
+    let (points, transient) = effort.of((10_000, 500), (200, 100));
+    let request = from_rest(&rig, RATIO, transient, points);
     let found = against::against(&request, &against::WIDTHS_M, progress)?;
     let page = Page::new(
         "3.4",
@@ -113,20 +115,10 @@ pub const SHOWN: [ShownSection; 8] = [
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn portraits(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (points, transient) = match effort {
-        Effort::Full => (2000, 600),
-        Effort::Coarse => (60, 200),
-    };
+    let (points, transient) = effort.of((2000, 600), (60, 200));
     let page = |&(number, gap, ratio, ..): &ShownSection| {
         let rig = rig("wires", gap)?;
-        let request = poincare::SectionRequest {
-            params: rig.params,
-            frequency_hz: ratio * rig.params.natural_frequency_hz(),
-            start: Start::Rest,
-            phases: vec![0.0],
-            transient,
-            points,
-        };
+        let request = from_rest(&rig, ratio, transient, points);
         let portrait = poincare::portrait(&request, progress)?;
         let page = Page::new(
             number,

@@ -39,14 +39,11 @@ struct Run {
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn pages(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (periods, tick_s) = match effort {
-        Effort::Full => (12, 5e-8),
-        Effort::Coarse => (2, 1e-6),
-    };
+    let (periods, tick_s) = effort.of((12, 5e-8), (2, 1e-6));
     let frequency_hz = RATIO * STOP.natural_frequency_hz();
     // The settled orbit by the event-located reference: where all runs start, and what they are held to.
     let mut exact = machine(Engine::Event, &STOP, frequency_hz, Start::Rest)?;
-    let settle = if effort == Effort::Full { 600 } else { 60 };
+    let settle = effort.of(600, 60);
     for _ in 0..settle {
         exact.period(None);
     }

@@ -94,10 +94,7 @@ fn refuse_others(dir: &Path) -> Result<(), UserError> {
 }
 
 fn word(effort: Effort) -> &'static str {
-    match effort {
-        Effort::Full => "full",
-        Effort::Coarse => "coarse",
-    }
+    effort.of("full", "coarse")
 }
 
 /// Makes the parts that are not in the folder yet. Returns a line for each part, and the seconds spent.
