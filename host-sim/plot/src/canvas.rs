@@ -35,6 +35,16 @@ pub(super) struct Rect {
 }
 
 impl Rect {
+    /// From `across` left of `(x, y)` to as much right of it, and from `up` above to as much below.
+    pub fn about((x, y): (f64, f64), across: f64, up: f64) -> Self {
+        Self {
+            left: x - across,
+            top: y - up,
+            right: x + across,
+            bottom: y + up,
+        }
+    }
+
     pub fn width(&self) -> f64 {
         self.right - self.left
     }

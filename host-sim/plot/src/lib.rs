@@ -196,6 +196,12 @@ impl Panel {
         self
     }
 
+    /// Adds a line with a dot at each of its points; the legend has the line.
+    pub fn dotted(self, label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        self.item(Item::line(label, color, points.clone()))
+            .item(Item::points("", color, points))
+    }
+
     /// Leaves the legend out.
     pub fn without_legend(mut self) -> Self {
         self.legend = false;

@@ -79,12 +79,7 @@ impl Sample<'_> {
     /// Draws the sample `width` px wide from `(x, y)`, its left end at middle height.
     fn draw(&self, canvas: &Canvas, (x, y): (f64, f64), width: f64) -> Result<(), PictureError> {
         let middle = (x + width / 2.0, y);
-        let square = |half: f64| Rect {
-            left: middle.0 - half,
-            top: y - half,
-            right: middle.0 + half,
-            bottom: y + half,
-        };
+        let square = |half: f64| Rect::about(middle, half, half);
         match self {
             Self::Cell(color) => {
                 let outline = Color(0x80, 0x80, 0x80);
@@ -223,18 +218,8 @@ pub(super) fn marked_points(
         })
         .collect();
     // The rings themselves must stay readable.
-    let mut taken: Vec<Rect> = marked
-        .iter()
-        .map(|(at, ..)| {
-            let (x, y) = px(*at);
-            Rect {
-                left: x - 7.0,
-                top: y - 7.0,
-                right: x + 7.0,
-                bottom: y + 7.0,
-            }
-        })
-        .collect();
+    let rings = marked.iter().map(|(at, ..)| Rect::about(px(*at), 7.0, 7.0));
+    let mut taken: Vec<Rect> = rings.collect();
     for (at, label, color) in marked {
         canvas.ring(at, 5.5, Color::PAPER, 4.5)?;
         canvas.ring(at, 5.5, color, 2.0)?;

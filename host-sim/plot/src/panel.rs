@@ -160,13 +160,7 @@ pub(super) fn draw(
             (frame.top + frame.bottom) / 2.0,
         );
         let letters = Letters::new(15.0).color(Color::GREY).side(HPos::Center);
-        let paper = Rect {
-            left: middle.0 - 35.0,
-            top: middle.1 - 9.0,
-            right: middle.0 + 35.0,
-            bottom: middle.1 + 9.0,
-        };
-        canvas.fill(paper, Color::PAPER, 1.0)?;
+        canvas.fill(Rect::about(middle, 35.0, 9.0), Color::PAPER, 1.0)?;
         canvas.text("no data", middle, letters)?;
     }
     for marker in &markers {

@@ -183,8 +183,7 @@ fn figure(rows: &[ModesRow], counts: &[usize]) -> Figure {
                 Axis::new(label).with_zero(),
             )
             .without_legend()
-            .item(Item::line("", Color::series(0), points.clone().collect()))
-            .item(Item::points("", Color::series(0), points.collect()));
+            .dotted("", Color::series(0), points.collect());
         }
         let mut panel = Panel::new("drive frequency, Hz", Axis::new(label).with_zero());
         for (i, count) in counts.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The picture of the gap advice: force, frequency and safe band, basin and multiplier over the gap.
 
-use crate::pictures::over::jumps;
+use crate::pictures::over::{around, jumps};
 use crate::words::gaps::{GapRow, GapTable};
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -44,16 +44,7 @@ fn force(advice: &GapTable) -> Panel {
             Color::GREY,
             over(advice, |r| r.largest_force_ratio),
         ))
-        .item(Item::line(
-            "at the pick",
-            Color::BLUE,
-            over(advice, |r| r.force_ratio),
-        ))
-        .item(Item::points(
-            "",
-            Color::BLUE,
-            over(advice, |r| r.force_ratio),
-        ))
+        .dotted("at the pick", Color::BLUE, over(advice, |r| r.force_ratio))
         .item(jumps(over(advice, jumping)))
 }
 
@@ -62,20 +53,14 @@ fn frequency(advice: &GapTable) -> Panel {
         Item::dashed(label, Color::GREEN, over(advice, value))
     };
     let pick = over(advice, |r| r.operating_frequency_hz);
-    let lowest = advice.gaps.iter().filter_map(|r| r.safe_band_low_hz);
-    let lowest = lowest.fold(f64::INFINITY, f64::min);
-    let highest = advice.gaps.iter().filter_map(|r| r.safe_band_high_hz);
-    let highest = highest.fold(0.0, f64::max);
+    let edges = advice.gaps.iter();
+    let edges = edges.flat_map(|r| [r.safe_band_low_hz, r.safe_band_high_hz]);
     let mut panel = panel(advice, "drive frequency, Hz", "frequency and safe band");
-    if lowest < highest {
-        let margin = 0.1 * (highest - lowest);
-        panel.y = Axis::new("drive frequency, Hz").fixed(lowest - margin, highest + margin);
-    }
+    panel.y = around("drive frequency, Hz", edges.flatten()).unwrap_or(panel.y);
     panel
         .item(edge("safe band", |r| r.safe_band_low_hz))
         .item(edge("", |r| r.safe_band_high_hz))
-        .item(Item::line("pick", Color::BLUE, pick.clone()))
-        .item(Item::points("", Color::BLUE, pick))
+        .dotted("pick", Color::BLUE, pick)
 }
 
 fn basin(advice: &GapTable) -> Panel {
@@ -93,12 +78,7 @@ fn basin(advice: &GapTable) -> Panel {
     });
     panel
         .item(Item::line("", Color::BLUE, intervals.flatten().collect()))
-        .item(Item::line(
-            "on the orbit picked (95 %)",
-            Color::BLUE,
-            share.clone(),
-        ))
-        .item(Item::points("", Color::BLUE, share))
+        .dotted("on the orbit picked (95 %)", Color::BLUE, share)
         .item(Item::dashed(
             "without impact",
             Color::RED,
@@ -115,7 +95,6 @@ fn multiplier(advice: &GapTable) -> Panel {
         "largest modulus of a multiplier",
         "stability at the pick",
     )
-    .item(Item::line("orbit picked", Color::BLUE, points.clone()))
-    .item(Item::points("", Color::BLUE, points))
+    .dotted("orbit picked", Color::BLUE, points)
     .item(Item::dashed("limit of stability", Color::INK, limit))
 }

@@ -99,12 +99,7 @@ fn profile(fit: &IdentifiedFit, i: usize) -> Option<Panel> {
             "Profile likelihood: {}",
             label.split(',').next().unwrap_or(label)
         ))
-        .item(Item::line(
-            "all others at their best",
-            Color::BLUE,
-            points.clone(),
-        ))
-        .item(Item::points("", Color::BLUE, points))
+        .dotted("all others at their best", Color::BLUE, points)
         .item(Item::dashed(
             "95 %",
             Color::INK,

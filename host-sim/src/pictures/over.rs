@@ -55,12 +55,6 @@ impl OverPicture<'_> {
         }
     }
 
-    fn curve(&self, panel: Panel, label: &str, value: fn(&OverRow) -> Option<f64>) -> Panel {
-        panel
-            .item(Item::line(label, Color::BLUE, self.points(value)))
-            .item(Item::points("", Color::BLUE, self.points(value)))
-    }
-
     fn force(&self) -> Panel {
         let panel = self.panel("contact force, N", "force");
         let panel = if self.rows.iter().any(is_uncertain) {
@@ -76,7 +70,7 @@ impl OverPicture<'_> {
             panel
         };
         let jumping = |row: &OverRow| row.force_n.filter(|_| row.jumps == Some(true));
-        let panel = self.curve(panel, "at the pick", |r| r.force_n);
+        let panel = panel.dotted("at the pick", Color::BLUE, self.points(|r| r.force_n));
         if !self.rows.iter().any(|row| jumping(row).is_some()) {
             return panel;
         }
@@ -88,33 +82,40 @@ impl OverPicture<'_> {
         let mut panel = self.panel(label, "frequency and safe band");
         let edges = self.rows.iter();
         let edges = edges.flat_map(|r| [r.safe_band_low_hz, r.safe_band_high_hz]);
-        let edges = edges.flatten();
-        let low = edges.clone().fold(f64::INFINITY, f64::min);
-        let high = edges.fold(0.0, f64::max);
-        if low < high {
-            let margin = 0.1 * (high - low);
-            panel.y = Axis::new(label).fixed(low - margin, high + margin);
-        }
+        panel.y = around(label, edges.flatten()).unwrap_or(panel.y);
         let edge = |label: &str, value: fn(&OverRow) -> Option<f64>| {
             Item::dashed(label, Color::GREEN, self.points(value))
         };
-        let panel = panel
+        let pick = self.points(|r| r.operating_frequency_hz);
+        panel
             .item(edge("safe band", |r| r.safe_band_low_hz))
-            .item(edge("", |r| r.safe_band_high_hz));
-        self.curve(panel, "pick", |r| r.operating_frequency_hz)
+            .item(edge("", |r| r.safe_band_high_hz))
+            .dotted("pick", Color::BLUE, pick)
     }
 
     fn multiplier(&self) -> Panel {
-        let panel = self.panel("largest modulus of a multiplier", "stability at the pick");
         let limit = self.rows.iter().map(|row| (row.value, 1.0)).collect();
-        self.curve(panel, "orbit picked", |r| r.multiplier)
+        self.panel("largest modulus of a multiplier", "stability at the pick")
+            .dotted("orbit picked", Color::BLUE, self.points(|r| r.multiplier))
             .item(Item::dashed("limit of stability", Color::INK, limit))
     }
 
     fn power(&self) -> Panel {
-        let panel = self.panel("impact power, W", "power of the blows");
-        self.curve(panel, "at the pick", |r| r.impact_power_w)
+        let power = self.points(|r| r.impact_power_w);
+        self.panel("impact power, W", "power of the blows").dotted(
+            "at the pick",
+            Color::BLUE,
+            power,
+        )
     }
+}
+
+/// The axis `label` over the ends of the safe bands with a margin; none where there is no band.
+pub fn around(label: &str, ends: impl Iterator<Item = f64> + Clone) -> Option<Axis> {
+    let low = ends.clone().fold(f64::INFINITY, f64::min);
+    let high = ends.fold(0.0, f64::max);
+    let margin = 0.1 * (high - low);
+    (low < high).then(|| Axis::new(label).fixed(low - margin, high + margin))
 }
 
 /// Orange diamonds where the hammer jumps.
