@@ -15,7 +15,7 @@ use crate::pictures::emulate::{About, Trace, figure};
 use crate::progress::ProgressLine;
 use emulator::local::Local;
 use emulator::log::{Header, Logs};
-use emulator::record::{BlockRow, RunEvent, RunObserver, TickRow, TrueContact};
+use emulator::record::{RunObserver, TickRow};
 use emulator::run::run as emulate;
 use emulator::scenario::{self, BUILTIN, Scenario};
 use emulator::timeline::Timeline;
@@ -74,8 +74,8 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let output = &args.output.named(file_name(&scenario), [&rig])?;
     let mut control = Local::new(&scenario.settings)?;
     let mut watch = Watch::new(args, output, &scenario, name)?;
-    let tally = emulate(&scenario, &mut control, &mut watch)?;
-    watch.progress.finish();
+    let tally = emulate(&scenario, &mut control, &mut watch.observer(&mut ()))?;
+    watch.seconds.progress.finish();
     let verdict = judge(&scenario, &tally);
     if let Some(dir) = &output.out {
         write(output, dir, &scenario, &verdict, &mut watch)?;
@@ -109,8 +109,7 @@ struct Watch {
     timeline: Timeline,
     trace: Trace,
     logs: Option<Logs>,
-    progress: ProgressLine,
-    ticks: u64,
+    seconds: Seconds,
 }
 
 impl Watch {
@@ -134,47 +133,38 @@ impl Watch {
             }
             _ => None,
         };
+        let seconds = scenario.duration_s as u64;
+        let progress = ProgressLine::new("s of rig time", seconds, output.quiet);
         Ok(Self {
             timeline: Timeline::default(),
             trace: Trace::default(),
             logs,
-            progress: ProgressLine::new("s of rig time", scenario.duration_s as u64, output.quiet),
-            ticks: 0,
+            seconds: Seconds { progress, ticks: 0 },
         })
+    }
+
+    /// All of it, with `unlogged` in place of a log where there is none.
+    fn observer<'a>(&'a mut self, unlogged: &'a mut ()) -> impl RunObserver {
+        let logs: &mut dyn RunObserver = match &mut self.logs {
+            Some(logs) => logs,
+            None => unlogged,
+        };
+        let drawn = (&mut self.timeline, &mut self.trace);
+        (drawn, (logs, &mut self.seconds))
     }
 }
 
-impl RunObserver for Watch {
-    fn tick(&mut self, row: &TickRow) {
-        self.trace.tick(row);
-        if let Some(logs) = &mut self.logs {
-            logs.tick(row);
-        }
+/// The rig time that has passed, on the line of progress.
+struct Seconds {
+    progress: ProgressLine,
+    ticks: u64,
+}
+
+impl RunObserver for Seconds {
+    fn tick(&mut self, _: &TickRow) {
         self.ticks += 1;
         if self.ticks.is_multiple_of(u64::from(TICK_RATE_HZ)) {
             self.progress.inc(1);
-        }
-    }
-
-    fn block(&mut self, row: &BlockRow) {
-        self.trace.block(row);
-        if let Some(logs) = &mut self.logs {
-            logs.block(row);
-        }
-    }
-
-    fn contact(&mut self, contact: &TrueContact) {
-        self.trace.contact(contact);
-        if let Some(logs) = &mut self.logs {
-            logs.contact(contact);
-        }
-    }
-
-    fn event(&mut self, event: &RunEvent) {
-        self.timeline.event(event);
-        self.trace.event(event);
-        if let Some(logs) = &mut self.logs {
-            logs.event(event);
         }
     }
 }

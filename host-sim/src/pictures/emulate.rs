@@ -25,7 +25,7 @@ const MOST_FAULTS: usize = 200;
 const NAMED_MARKS: usize = 8;
 
 /// The curves of a run: an [`RunObserver`] that keeps a few thousand points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// When the controller came into a state, s, and which.
     states: Vec<(f64, State)>,
@@ -43,29 +43,10 @@ pub struct Trace {
     period: f64,
     peak_n: f64,
     next_point_s: f64,
-    point_s: f64,
+    /// How often every other point was dropped.
+    thinned: i32,
     time_s: f64,
     on: bool,
-}
-
-impl Default for Trace {
-    fn default() -> Self {
-        Self {
-            states: Vec::new(),
-            frequency: Vec::new(),
-            target: Vec::new(),
-            commanded: Vec::new(),
-            measured: Vec::new(),
-            peaks: Vec::new(),
-            marks: Vec::new(),
-            period: 0.0,
-            peak_n: 0.0,
-            next_point_s: 0.0,
-            point_s: POINT_S,
-            time_s: 0.0,
-            on: false,
-        }
-    }
 }
 
 impl Trace {
@@ -74,7 +55,7 @@ impl Trace {
         if self.frequency.len() < MOST_POINTS {
             return;
         }
-        self.point_s *= 2.0;
+        self.thinned += 1;
         for curve in [
             &mut self.frequency,
             &mut self.target,
@@ -139,7 +120,7 @@ impl RunObserver for Trace {
             return;
         }
         self.thin();
-        self.next_point_s = self.time_s + self.point_s;
+        self.next_point_s = self.time_s + POINT_S * 2f64.powi(self.thinned);
         let while_on = |value: f64| if self.on { value } else { f64::NAN };
         let point = |value: f64| (self.time_s, value);
         let target_hz = f64::from(status.target_hz);
