@@ -7,7 +7,7 @@ use shared::settings::Settings;
 use super::complaint::out_of_range;
 use crate::cart::{Friction, Mounting, Stops};
 use crate::motor::MotorParams;
-use crate::sensors::{SensorErrors, SensorParams};
+use crate::sensors::SensorParams;
 use crate::shaker::{ArmatureParams, ShakerParams};
 use files::UserError;
 
@@ -99,6 +99,14 @@ fn pick(
     }
 }
 
+/// Puts the numbers that a table has into those of a part. One line each: the key, its range in its own unit, that unit,
+/// and the part's number.
+macro_rules! put {
+    ($table:expr => $part:expr; $($key:ident: $range:expr, $unit:expr => $number:ident;)*) => {
+        $($part.$number = pick(stringify!($key), $table.$key, $range, $unit, $part.$number)?;)*
+    };
+}
+
 /// The largest force that a scenario's shaker may have, N.
 pub(crate) const MOST_FORCE_N: f64 = 1e6;
 
@@ -107,51 +115,20 @@ const FASTEST_LOOP_HZ: f64 = 2000.0;
 
 /// The shaker, its defaults for what is left out.
 pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
-    let d = ShakerParams::default();
-    let ratio = (0.0, 10.0);
-    let shaker = ShakerParams {
-        loop_hz: pick("loop_hz", file.loop_hz, (1.0, 500.0), 1.0, d.loop_hz)?,
-        loop_damping_ratio: pick(
-            "loop_damping_ratio",
-            file.loop_damping_ratio,
-            (0.05, 5.0),
-            1.0,
-            d.loop_damping_ratio,
-        )?,
-        force_n: pick("force_n", file.force_n, (0.0, MOST_FORCE_N), 1.0, d.force_n)?,
-        feed_forward: pick(
-            "feed_forward",
-            file.feed_forward,
-            (0.0, 2.0),
-            1.0,
-            d.feed_forward,
-        )?,
-        lag_s: pick("lag_ms", file.lag_ms, (0.05, 100.0), 1e-3, d.lag_s)?,
-        droop_hz: pick("droop_hz", file.droop_hz, (1.0, 3000.0), 1.0, d.droop_hz)?,
-        suspension_hz: pick(
-            "suspension_hz",
-            file.suspension_hz,
-            (0.1, 100.0),
-            1.0,
-            d.suspension_hz,
-        )?,
-        suspension_damping_ratio: pick(
-            "suspension_damping_ratio",
-            file.suspension_damping_ratio,
-            ratio,
-            1.0,
-            d.suspension_damping_ratio,
-        )?,
-        impedance_n_s_per_m: pick(
-            "impedance_n_s_per_m",
-            file.impedance_n_s_per_m,
-            (0.0, 1e4),
-            1.0,
-            d.impedance_n_s_per_m,
-        )?,
-        reversed: file.reversed.unwrap_or_default(),
-        armature: armature(file)?,
-    };
+    let mut shaker = ShakerParams::default();
+    put! { file => shaker;
+        loop_hz: (1.0, 500.0), 1.0 => loop_hz;
+        loop_damping_ratio: (0.05, 5.0), 1.0 => loop_damping_ratio;
+        force_n: (0.0, MOST_FORCE_N), 1.0 => force_n;
+        feed_forward: (0.0, 2.0), 1.0 => feed_forward;
+        lag_ms: (0.05, 100.0), 1e-3 => lag_s;
+        droop_hz: (1.0, 3000.0), 1.0 => droop_hz;
+        suspension_hz: (0.1, 100.0), 1.0 => suspension_hz;
+        suspension_damping_ratio: (0.0, 10.0), 1.0 => suspension_damping_ratio;
+        impedance_n_s_per_m: (0.0, 1e4), 1.0 => impedance_n_s_per_m;
+    }
+    shaker.reversed = file.reversed.unwrap_or_default();
+    shaker.armature = armature(file)?;
     // For faster loops the plant's step in flight is too long.
     let damping = shaker.loop_damping_ratio;
     let faster = damping + (damping * damping - 1.0).max(0.0).sqrt();
@@ -168,7 +145,7 @@ pub fn shaker(file: &ShakerTable) -> Result<ShakerParams, UserError> {
 
 /// The armature, if it has a mode of its own.
 fn armature(file: &ShakerTable) -> Result<Option<ArmatureParams>, UserError> {
-    let Some(mass_kg) = file.armature_kg else {
+    if file.armature_kg.is_none() {
         let orphan = [
             ("armature_hz", file.armature_hz),
             ("armature_damping_ratio", file.armature_damping_ratio),
@@ -177,19 +154,19 @@ fn armature(file: &ShakerTable) -> Result<Option<ArmatureParams>, UserError> {
             Some((key, _)) => Err(UserError::new(format!("{key} needs armature_kg = MASS"))),
             None => Ok(None),
         };
+    }
+    let mut armature = ArmatureParams {
+        mass_kg: 0.0,
+        hz: 100.0,
+        damping_ratio: 0.02,
     };
     // The joint's own mode must stay slow against a tick.
-    Ok(Some(ArmatureParams {
-        mass_kg: pick("armature_kg", Some(mass_kg), (0.05, 1000.0), 1.0, 0.0)?,
-        hz: pick("armature_hz", file.armature_hz, (0.5, 300.0), 1.0, 100.0)?,
-        damping_ratio: pick(
-            "armature_damping_ratio",
-            file.armature_damping_ratio,
-            (0.0, 2.0),
-            1.0,
-            0.02,
-        )?,
-    }))
+    put! { file => armature;
+        armature_kg: (0.05, 1000.0), 1.0 => mass_kg;
+        armature_hz: (0.5, 300.0), 1.0 => hz;
+        armature_damping_ratio: (0.0, 2.0), 1.0 => damping_ratio;
+    }
+    Ok(Some(armature))
 }
 
 /// Friction of the cart's guide; none where there is none.
@@ -211,32 +188,23 @@ pub fn friction(
 
 /// How the cart is mounted.
 pub fn mounting(file: &CartTable) -> Result<Mounting, UserError> {
-    let stiffness = pick(
-        "stop_stiffness_n_per_m",
-        file.stop_stiffness_n_per_m,
-        (1e3, 1e7),
-        1.0,
-        1e6,
-    )?;
-    let damping = pick(
-        "stop_damping_s_per_m",
-        file.stop_damping_s_per_m,
-        (0.0, 100.0),
-        1.0,
-        1.0,
-    )?;
-    let stop = file.stop_mm.map(|mm| {
-        let at_m = pick("stop_mm", Some(mm), (0.01, 1000.0), 1e-3, 0.0)?;
-        Ok::<_, UserError>(Stops {
-            at_m,
-            stiffness_n_per_m: stiffness,
-            damping_s_per_m: damping,
-        })
-    });
+    let mut stops = Stops {
+        at_m: 0.0,
+        stiffness_n_per_m: 1e6,
+        damping_s_per_m: 1.0,
+    };
+    put! { file => stops;
+        stop_stiffness_n_per_m: (1e3, 1e7), 1.0 => stiffness_n_per_m;
+        stop_damping_s_per_m: (0.0, 100.0), 1.0 => damping_s_per_m;
+    }
     let tilt = pick("tilt_deg", file.tilt_deg, TILT_DEG, 1.0, 0.0)?;
+    let friction = friction(file.coulomb_n, file.static_n, file.viscous_n_s_per_m)?;
+    put! { file => stops;
+        stop_mm: (0.01, 1000.0), 1e-3 => at_m;
+    }
     Ok(Mounting {
-        friction: friction(file.coulomb_n, file.static_n, file.viscous_n_s_per_m)?,
-        stops: stop.transpose()?,
+        friction,
+        stops: file.stop_mm.map(|_| stops),
         tilt_rad: tilt.to_radians(),
     })
 }
@@ -244,134 +212,56 @@ pub fn mounting(file: &CartTable) -> Result<Mounting, UserError> {
 /// The motor that moves the cart of `rig`.
 pub fn motor(file: &MotorTable, rig: &RigParams) -> Result<MotorParams, UserError> {
     let whole_mm = 1e3 * rig.amplitude_m;
-    let crank_m = pick(
-        "crank_mm",
-        file.crank_mm,
-        (0.01, 100.0),
-        1e-3,
-        1e-3 * whole_mm,
-    )?;
-    let d = MotorParams::for_cart(crank_m, rig.cart_mass_kg + rig.mass_kg);
+    let range_mm = (0.01, 100.0);
+    let crank_m = pick("crank_mm", file.crank_mm, range_mm, 1e-3, 1e-3 * whole_mm)?;
+    let mut motor = MotorParams::for_cart(crank_m, rig.cart_mass_kg + rig.mass_kg);
     let positive = (1e-12, 1e6);
-    Ok(MotorParams {
-        crank_m,
-        rod_ratio: pick("rod_ratio", file.rod_ratio, (0.0, 0.9), 1.0, d.rod_ratio)?,
-        inertia_kg_m2: pick(
-            "inertia_kg_m2",
-            file.inertia_kg_m2,
-            positive,
-            1.0,
-            d.inertia_kg_m2,
-        )?,
-        slip_hz_per_n_m: pick(
-            "slip_hz_per_n_m",
-            file.slip_hz_per_n_m,
-            positive,
-            1.0,
-            d.slip_hz_per_n_m,
-        )?,
-        torque_n_m: pick("torque_n_m", file.torque_n_m, positive, 1.0, d.torque_n_m)?,
-        lag_s: pick("lag_ms", file.lag_ms, (0.05, 10_000.0), 1e-3, d.lag_s)?,
-        coast_s: pick("coast_s", file.coast_s, (1e-3, 1e3), 1.0, d.coast_s)?,
-    })
+    put! { file => motor;
+        rod_ratio: (0.0, 0.9), 1.0 => rod_ratio;
+        inertia_kg_m2: positive, 1.0 => inertia_kg_m2;
+        slip_hz_per_n_m: positive, 1.0 => slip_hz_per_n_m;
+        torque_n_m: positive, 1.0 => torque_n_m;
+        lag_ms: (0.05, 10_000.0), 1e-3 => lag_s;
+        coast_s: (1e-3, 1e3), 1.0 => coast_s;
+    }
+    Ok(motor)
 }
 
 /// The sensors, their defaults for what is left out.
 pub fn sensors(file: &SensorsTable, settings: &Settings) -> Result<SensorParams, UserError> {
-    let d = SensorParams::default();
+    /// Farthest offset and largest noise, N or µm.
+    const REACH: f64 = 1e5;
+    let mut sensors = SensorParams::default();
     let share = pick("noise_percent", file.noise_percent, (0.0, 50.0), 0.01, 0.0)?;
     // Noise in percent is of what is typical: the strongest 1/1, a fifth of the force sensor's range, and A0.
     let typical_n = 3300.0 / 5.0 * f64::from(settings.force.unit_per_code.abs());
     let typical_m = settings.rig.amplitude_m;
+    sensors.force.noise = share * typical_n;
+    sensors.hammer.noise = share * typical_m;
+    sensors.cart.noise = share * typical_m;
+    let (offset, gain_percent, noise) = ((-REACH, REACH), (-50.0, 100.0), (0.0, REACH));
+    put! { file => sensors.force;
+        force_offset_n: offset, 1.0 => offset;
+        force_gain_percent: gain_percent, 0.01 => gain_error;
+        force_noise_n: noise, 1.0 => noise;
+    }
+    put! { file => sensors.hammer;
+        hammer_offset_um: offset, 1e-6 => offset;
+        hammer_gain_percent: gain_percent, 0.01 => gain_error;
+        hammer_noise_um: noise, 1e-6 => noise;
+    }
+    put! { file => sensors.cart;
+        cart_offset_um: offset, 1e-6 => offset;
+        cart_gain_percent: gain_percent, 0.01 => gain_error;
+        cart_noise_um: noise, 1e-6 => noise;
+    }
     let corner = (10.0, 50_000.0);
-    Ok(SensorParams {
-        force: errors(
-            ["force_offset_n", "force_gain_percent", "force_noise_n"],
-            [
-                file.force_offset_n,
-                file.force_gain_percent,
-                file.force_noise_n,
-            ],
-            1.0,
-            share * typical_n,
-        )?,
-        hammer: errors(
-            ["hammer_offset_um", "hammer_gain_percent", "hammer_noise_um"],
-            [
-                file.hammer_offset_um,
-                file.hammer_gain_percent,
-                file.hammer_noise_um,
-            ],
-            1e-6,
-            share * typical_m,
-        )?,
-        cart: errors(
-            ["cart_offset_um", "cart_gain_percent", "cart_noise_um"],
-            [
-                file.cart_offset_um,
-                file.cart_gain_percent,
-                file.cart_noise_um,
-            ],
-            1e-6,
-            share * typical_m,
-        )?,
-        force_filter_hz: pick(
-            "force_filter_hz",
-            file.force_filter_hz,
-            corner,
-            1.0,
-            d.force_filter_hz,
-        )?,
-        displacement_filter_hz: pick(
-            "displacement_filter_hz",
-            file.displacement_filter_hz,
-            corner,
-            1.0,
-            d.displacement_filter_hz,
-        )?,
-        ..ringing(file, d)?
-    })
-}
-
-/// The default sensors with the ringing of the file.
-fn ringing(file: &SensorsTable, d: SensorParams) -> Result<SensorParams, UserError> {
-    Ok(SensorParams {
-        ringing_hz: pick(
-            "ringing_hz",
-            file.ringing_hz,
-            (100.0, 20_000.0),
-            1.0,
-            d.ringing_hz,
-        )?,
-        ringing_share: pick(
-            "ringing_percent",
-            file.ringing_percent,
-            (0.0, 200.0),
-            0.01,
-            d.ringing_share,
-        )?,
-        ringing_decay_s: pick(
-            "ringing_decay_ms",
-            file.ringing_decay_ms,
-            (0.01, 100.0),
-            1e-3,
-            d.ringing_decay_s,
-        )?,
-        ..d
-    })
-}
-
-/// Offset, gain error and noise of a sensor; `noise` where the file gives none.
-fn errors(
-    names: [&str; 3],
-    values: [Option<f64>; 3],
-    unit: f64,
-    noise: f64,
-) -> Result<SensorErrors, UserError> {
-    const REACH: f64 = 1e5;
-    Ok(SensorErrors {
-        offset: pick(names[0], values[0], (-REACH, REACH), unit, 0.0)?,
-        gain_error: pick(names[1], values[1], (-50.0, 100.0), 0.01, 0.0)?,
-        noise: pick(names[2], values[2], (0.0, REACH), unit, noise)?,
-    })
+    put! { file => sensors;
+        force_filter_hz: corner, 1.0 => force_filter_hz;
+        displacement_filter_hz: corner, 1.0 => displacement_filter_hz;
+        ringing_hz: (100.0, 20_000.0), 1.0 => ringing_hz;
+        ringing_percent: (0.0, 200.0), 0.01 => ringing_share;
+        ringing_decay_ms: (0.01, 100.0), 1e-3 => ringing_decay_s;
+    }
+    Ok(sensors)
 }
