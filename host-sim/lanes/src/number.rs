@@ -105,16 +105,32 @@ impl<W: LaneWidth> Mask<W> {
     }
 }
 
+/// An operator that is an operation of the instruction set, on numbers (`v`) or truths (`m`): alone, or with a second.
 macro_rules! operator {
-    ($trait:ident, $method:ident) => {
-        impl<W: LaneWidth> $trait for Num<W> {
+    ($trait:ident::$method:ident = $own:ident, $of:ident { $x:ident } $(and $b:ident)?) => {
+        impl<W: LaneWidth> $trait for $of<W> {
             type Output = Self;
             #[inline(always)]
-            fn $method(self, b: Self) -> Self {
-                let v = self.w.$method(self.v, b.v);
-                Self { w: self.w, v }
+            fn $method(self $(, $b: Self)?) -> Self {
+                let $x = self.w.$own(self.$x $(, $b.$x)?);
+                Self { w: self.w, $x }
             }
         }
+    };
+}
+
+operator!(Add::add = add, Num { v } and b);
+operator!(Sub::sub = sub, Num { v } and b);
+operator!(Mul::mul = mul, Num { v } and b);
+operator!(Div::div = div, Num { v } and b);
+operator!(Neg::neg = neg, Num { v });
+operator!(BitAnd::bitand = and, Mask { m } and b);
+operator!(BitOr::bitor = or, Mask { m } and b);
+operator!(Not::not = not, Mask { m });
+
+/// The operator with a number that is the same in every lane.
+macro_rules! with_the_same {
+    ($trait:ident::$method:ident) => {
         impl<W: LaneWidth> $trait<f64> for Num<W> {
             type Output = Self;
             #[inline(always)]
@@ -125,43 +141,7 @@ macro_rules! operator {
     };
 }
 
-operator!(Add, add);
-operator!(Sub, sub);
-operator!(Mul, mul);
-operator!(Div, div);
-
-impl<W: LaneWidth> Neg for Num<W> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        let v = self.w.neg(self.v);
-        Self { w: self.w, v }
-    }
-}
-
-impl<W: LaneWidth> BitAnd for Mask<W> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, b: Self) -> Self {
-        let m = self.w.and(self.m, b.m);
-        Self { w: self.w, m }
-    }
-}
-
-impl<W: LaneWidth> BitOr for Mask<W> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, b: Self) -> Self {
-        let m = self.w.or(self.m, b.m);
-        Self { w: self.w, m }
-    }
-}
-
-impl<W: LaneWidth> Not for Mask<W> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        let m = self.w.not(self.m);
-        Self { w: self.w, m }
-    }
-}
+with_the_same!(Add::add);
+with_the_same!(Sub::sub);
+with_the_same!(Mul::mul);
+with_the_same!(Div::div);

@@ -50,6 +50,16 @@ pub trait LaneWidth: Copy {
     fn any(self, m: Self::M) -> bool;
 }
 
+/// Operations that are one of the instruction set's.
+macro_rules! instruction {
+    ($($name:ident($($x:ident: $in:ident),*) -> $out:ident = $own:ident;)*) => { $(
+        #[inline(always)]
+        fn $name(self, $($x: Self::$in),*) -> Self::$out {
+            self.0.$own($($x),*)
+        }
+    )* };
+}
+
 /// Vectors of f64 as wide as one register.
 #[derive(Clone, Copy)]
 pub struct Double<S>(pub S);
@@ -72,22 +82,6 @@ impl<S: Simd> LaneWidth for Double<S> {
         S::as_mut_simd_f64s(row).0[part] = x;
     }
     #[inline(always)]
-    fn add(self, a: Self::V, b: Self::V) -> Self::V {
-        self.0.add_f64s(a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
-        self.0.sub_f64s(a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::V, b: Self::V) -> Self::V {
-        self.0.mul_f64s(a, b)
-    }
-    #[inline(always)]
-    fn div(self, a: Self::V, b: Self::V) -> Self::V {
-        self.0.div_f64s(a, b)
-    }
-    #[inline(always)]
     fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
         if cfg!(target_arch = "wasm32") {
             return self.0.add_f64s(self.0.mul_f64s(a, b), c);
@@ -101,37 +95,19 @@ impl<S: Simd> LaneWidth for Double<S> {
         }
         self.0.negate_mul_add_f64s(a, b, c)
     }
-    #[inline(always)]
-    fn neg(self, a: Self::V) -> Self::V {
-        self.0.neg_f64s(a)
-    }
-    #[inline(always)]
-    fn abs(self, a: Self::V) -> Self::V {
-        self.0.abs_f64s(a)
-    }
-    #[inline(always)]
-    fn sqrt(self, a: Self::V) -> Self::V {
-        self.0.sqrt_f64s(a)
-    }
-    #[inline(always)]
-    fn lt(self, a: Self::V, b: Self::V) -> Self::M {
-        self.0.less_than_f64s(a, b)
-    }
-    #[inline(always)]
-    fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V {
-        self.0.select_f64s(m, a, b)
-    }
-    #[inline(always)]
-    fn and(self, a: Self::M, b: Self::M) -> Self::M {
-        self.0.and_m64s(a, b)
-    }
-    #[inline(always)]
-    fn or(self, a: Self::M, b: Self::M) -> Self::M {
-        self.0.or_m64s(a, b)
-    }
-    #[inline(always)]
-    fn not(self, a: Self::M) -> Self::M {
-        self.0.not_m64s(a)
+    instruction! {
+        add(a: V, b: V) -> V = add_f64s;
+        sub(a: V, b: V) -> V = sub_f64s;
+        mul(a: V, b: V) -> V = mul_f64s;
+        div(a: V, b: V) -> V = div_f64s;
+        neg(a: V) -> V = neg_f64s;
+        abs(a: V) -> V = abs_f64s;
+        sqrt(a: V) -> V = sqrt_f64s;
+        lt(a: V, b: V) -> M = less_than_f64s;
+        select(m: M, a: V, b: V) -> V = select_f64s;
+        and(a: M, b: M) -> M = and_m64s;
+        or(a: M, b: M) -> M = or_m64s;
+        not(a: M) -> M = not_m64s;
     }
     #[inline(always)]
     fn any(self, m: Self::M) -> bool {
