@@ -5,6 +5,7 @@ use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
 use super::family::{Along, CurvePlace, Family, Node, UP, between, dot, minus};
+use super::march::both_ways;
 use super::switching::doubled;
 use super::{CurveEnd, Special, Until, march};
 use crate::engine::Start;
@@ -87,22 +88,11 @@ impl OrbitCurve {
 
     /// The curve through `seed`, followed both ways.
     fn through(family: Family, seed: Node, limits: (f64, f64), origin: CurveOrigin) -> Self {
-        let back = seed.clone().turned();
-        let ((ahead, high), (behind, low)) = rayon::join(
-            || march(&family, &seed, limits, Until::End),
-            || march(&family, &back, limits, Until::End),
-        );
-        let (behind, low) = if high == CurveEnd::Closed {
-            (Vec::new(), CurveEnd::Closed)
-        } else {
-            (behind, low)
-        };
-        let mut nodes: Vec<Node> = behind.into_iter().rev().map(Node::turned).collect();
-        nodes.push(seed);
-        nodes.extend(ahead);
+        let march = |from: &Node| march(&family, from, limits, Until::End);
+        let (nodes, ends) = both_ways(seed, Node::turned, march);
         Self {
             nodes,
-            ends: [low, high],
+            ends,
             origin,
             family,
         }

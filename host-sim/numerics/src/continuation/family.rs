@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix5, Vector5};
-use shared::model::params::RigParams;
+use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::Rig;
 
 use crate::knob::Knob;
@@ -121,20 +121,12 @@ impl Family {
     ///
     /// # Errors
     /// If a parameter is out of range: the first of them.
-    pub fn new(
-        params: &RigParams,
-        along: Along,
-        periods: u8,
-    ) -> Result<Self, shared::model::params::ParamError> {
-        let rig = Rig::<f64>::new(params)?;
-        let scale = AMPLITUDES * rig.coordinate_scale();
-        let metres = AMPLITUDES * params.amplitude_m;
-        let rate = |unit: f64| unit * (TAU * params.natural_frequency_hz());
+    pub fn new(params: &RigParams, along: Along, periods: u8) -> Result<Self, ParamError> {
         Ok(Self {
             params: *params,
             along,
             periods,
-            units: [scale, rate(scale), metres, rate(metres)],
+            units: units(params)?,
         })
     }
 
@@ -302,6 +294,17 @@ impl Family {
         let along = self.solve(rows, direction, [0.0; 4], 1.0)?;
         Some(normalised(along))
     }
+}
+
+/// What a section point is measured in along a curve: in so many A0 (and A0 ω).
+///
+/// # Errors
+/// If a parameter is out of range: the first of them.
+pub(super) fn units(params: &RigParams) -> Result<Section, ParamError> {
+    let scale = AMPLITUDES * Rig::<f64>::new(params)?.coordinate_scale();
+    let metres = AMPLITUDES * params.amplitude_m;
+    let rate = |unit: f64| unit * (TAU * params.natural_frequency_hz());
+    Ok([scale, rate(scale), metres, rate(metres)])
 }
 
 /// Scalar product of two places or directions.

@@ -101,22 +101,47 @@ fn step(family: &Family, last: &Node, stride: f64) -> Option<Node> {
     let moved = minus(next.place, last.place);
     let near = dot(moved, moved) < 2.0 * stride * stride;
     let straight = dot(next.tangent, last.tangent) > STRAIGHT;
-    let same = next.orbit.impacts == last.orbit.impacts && contacts_alike(last, &next);
+    let same = next.orbit.impacts == last.orbit.impacts
+        && contacts_alike(
+            &onsets(&last.orbit),
+            &onsets(&next.orbit),
+            last.orbit.periods,
+        );
     (near && straight && same).then_some(next)
 }
 
-/// Whether each contact of one orbit begins at about the same phase as one of the other: if not, the step has passed
-/// over orbits with other contacts, though as many.
-fn contacts_alike(a: &Node, b: &Node) -> bool {
+/// Both ways along a curve from `seed`: its points in order and how it ends, at the first and at the last. `march` gives the
+/// points from one on, without it, `turned` a point with its tangent reversed.
+pub(super) fn both_ways<P: Clone + Send + Sync>(
+    seed: P,
+    turned: fn(P) -> P,
+    march: impl Fn(&P) -> (Vec<P>, CurveEnd) + Sync,
+) -> (Vec<P>, [CurveEnd; 2]) {
+    let back = turned(seed.clone());
+    let ((ahead, high), (behind, low)) = rayon::join(|| march(&seed), || march(&back));
+    let (behind, low) = if high == CurveEnd::Closed {
+        (Vec::new(), CurveEnd::Closed)
+    } else {
+        (behind, low)
+    };
+    let mut points: Vec<P> = behind.into_iter().rev().map(turned).collect();
+    points.push(seed);
+    points.extend(ahead);
+    (points, [low, high])
+}
+
+/// When the contacts of an orbit begin, drive periods after drive phase 0.
+pub(super) fn onsets(orbit: &Orbit) -> Vec<f64> {
+    let contacts = orbit.seen.contacts.iter();
+    contacts.map(|c| c.onset_s * orbit.frequency_hz).collect()
+}
+
+/// Whether each contact of one orbit begins at about the same phase as one of the other, by their [`onsets`] in so many drive
+/// periods: if not, the step has passed over orbits with other contacts, though as many.
+pub(super) fn contacts_alike(of_a: &[f64], of_b: &[f64], periods: u8) -> bool {
     /// A contact that begins this many drive periods away is another.
     const OTHER: f64 = 0.08;
-    let phases = |node: &Node| {
-        let hz = node.orbit.frequency_hz;
-        let contacts = node.orbit.seen.contacts.iter();
-        contacts.map(|c| c.onset_s * hz).collect::<Vec<_>>()
-    };
-    let (of_a, of_b) = (phases(a), phases(b));
-    let round = f64::from(a.orbit.periods);
+    let round = f64::from(periods);
     let apart = |x: f64, y: f64| {
         let off = (x - y).rem_euclid(round);
         off.min(round - off)
@@ -124,7 +149,7 @@ fn contacts_alike(a: &Node, b: &Node) -> bool {
     let within = |all: &[f64], others: &[f64]| {
         (all.iter()).all(|x| others.iter().any(|y| apart(*x, *y) < OTHER))
     };
-    within(&of_a, &of_b) && within(&of_b, &of_a)
+    within(of_a, of_b) && within(of_b, of_a)
 }
 
 /// How far an orbit is from one with another number of contacts: none where no such change is near. All three pass 0

@@ -405,11 +405,13 @@ fn orbit_rows(
 
 /// Displacement (mm) and velocity relative to the cart (m/s) of a section point of `node`.
 pub fn motion_at(params: &RigParams, node: &Node, section: [f64; 2]) -> (f64, f64) {
-    let params = RigParams {
-        gap_m: node.gap_m,
-        ..*params
-    };
-    let Ok(rig) = Rig::<f64>::new(&params) else {
+    let gap_m = node.gap_m;
+    motion_of(&RigParams { gap_m, ..*params }, section)
+}
+
+/// Displacement (mm) and velocity relative to the cart (m/s) of a section point of this very rig.
+pub(super) fn motion_of(params: &RigParams, section: [f64; 2]) -> (f64, f64) {
+    let Ok(rig) = Rig::<f64>::new(params) else {
         return (f64::NAN, f64::NAN);
     };
     let rate = rig.kinematics(section[0], section[1]).rate;

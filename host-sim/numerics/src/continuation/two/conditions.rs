@@ -1,17 +1,14 @@
 //! The equations of a curve: an orbit, and what holds of it.
 
-use shared::model::params::RigParams;
-use shared::model::rig::Rig;
+use shared::model::params::{ParamError, RigParams};
 
 use super::graze::{Graze, Windows};
 use super::plane::Plane;
 use super::{Codimension, Condition, TwoParameterPoint};
-use crate::continuation::march::ContactMargins;
+use crate::continuation::family::units;
+use crate::continuation::march::{ContactMargins, onsets};
 use crate::orbit::{Monodromy, Orbit, ReturnMapImage, Section};
 use crate::reference::LocatedContact;
-
-/// Section points are measured in so many A0 (and A0 ω), as along curves of orbits.
-const AMPLITUDES: f64 = 5.0;
 
 /// The equations of one curve. Its unknowns are those of the orbit and the places of both parameters.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +16,7 @@ pub struct System {
     pub plane: Plane,
     pub condition: Condition,
     pub periods: u8,
-    /// Units of a section point.
+    /// Units of a section point, as along curves of orbits.
     pub units: Section,
     /// On a graze: the flights before and after it that are free of other contacts.
     pub windows: Windows,
@@ -45,16 +42,12 @@ impl System {
         params: &RigParams,
         condition: Condition,
         periods: u8,
-    ) -> Result<Self, shared::model::params::ParamError> {
-        let rig = Rig::<f64>::new(params)?;
-        let scale = AMPLITUDES * rig.coordinate_scale();
-        let metres = AMPLITUDES * params.amplitude_m;
-        let rate = |unit: f64| unit * (std::f64::consts::TAU * params.natural_frequency_hz());
+    ) -> Result<Self, ParamError> {
         Ok(Self {
             plane,
             condition,
             periods,
-            units: [scale, rate(scale), metres, rate(metres)],
+            units: units(params)?,
             windows: Windows::default(),
         })
     }
@@ -155,13 +148,12 @@ impl System {
 }
 
 fn of_orbit(orbit: &Orbit) -> OrbitConditions {
-    let contacts = orbit.seen.contacts.iter();
     OrbitConditions {
         section: orbit.section,
         impacts: orbit.impacts,
         force_n: orbit.force_n,
         monodromy: orbit.monodromy,
-        onsets: contacts.map(|c| c.onset_s * orbit.frequency_hz).collect(),
+        onsets: onsets(orbit),
         margins: ContactMargins::of(orbit),
         leaving: None,
         flights: None,

@@ -7,7 +7,7 @@ use super::{
     marks, minus,
 };
 use crate::continuation::CurveEnd;
-use crate::continuation::march::Break;
+use crate::continuation::march::{Break, both_ways, contacts_alike};
 use crate::error::Error;
 use crate::progress::{Progress, check, step};
 
@@ -21,8 +21,6 @@ const BREAK_TOLERANCE: f64 = 1e-7;
 const STRAIGHT: f64 = 0.97;
 /// More points than this on one curve are not followed.
 const MOST: usize = 4000;
-/// A contact that begins this many drive periods away is another.
-const OTHER: f64 = 0.08;
 
 /// The curves through `seeds`, each once. A step of progress is a seed.
 ///
@@ -49,30 +47,14 @@ pub fn followed(seeds: &[Seed], progress: &dyn Progress) -> Result<Vec<TwoParame
 /// # Errors
 /// If the work is interrupted.
 pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<TwoParameterCurve, Error> {
-    let start = &seed.point;
-    let back = start.clone().turned();
-    let ((onwards, high), (behind, low)) = rayon::join(
-        || march(seed.system, start, progress),
-        || march(seed.system, &back, progress),
-    );
+    let march = |from: &TwoParameterPoint| march(seed.system, from, progress);
+    let (points, ends) = both_ways(seed.point.clone(), TwoParameterPoint::turned, march);
     check(progress)?;
-    let (behind, low) = if high == CurveEnd::Closed {
-        (Vec::new(), CurveEnd::Closed)
-    } else {
-        (behind, low)
-    };
-    let mut points: Vec<TwoParameterPoint> = behind
-        .into_iter()
-        .rev()
-        .map(TwoParameterPoint::turned)
-        .collect();
-    points.push(start.clone());
-    points.extend(onwards);
     let mut curve = TwoParameterCurve {
         condition: seed.system.condition,
         periods: seed.system.periods,
         points,
-        ends: [low, high],
+        ends,
         system: seed.system,
     };
     marks::at_ends(&mut curve);
@@ -198,23 +180,10 @@ fn next(system: &System, last: &TwoParameterPoint, stride: f64) -> Option<TwoPar
     let near = dot(&moved, &moved) < 2.0 * stride * stride;
     let straight = dot(&next.tangent, &last.tangent) > STRAIGHT;
     let leaves = next.leaving.is_none_or(|a| a > 0.0);
-    let alike = alike(last, &next, f64::from(system.periods));
+    let alike = next.impacts == last.impacts
+        && next.onsets.len() == last.onsets.len()
+        && contacts_alike(&last.onsets, &next.onsets, system.periods);
     (near && straight && leaves && alike).then_some(next)
-}
-
-/// Whether both have the same contacts, at about the same phases.
-fn alike(a: &TwoParameterPoint, b: &TwoParameterPoint, round: f64) -> bool {
-    let apart = |x: f64, y: f64| {
-        let off = (x - y).rem_euclid(round);
-        off.min(round - off)
-    };
-    let within = |all: &[f64], others: &[f64]| {
-        (all.iter()).all(|x| others.iter().any(|y| apart(*x, *y) < OTHER))
-    };
-    a.impacts == b.impacts
-        && a.onsets.len() == b.onsets.len()
-        && within(&a.onsets, &b.onsets)
-        && within(&b.onsets, &a.onsets)
 }
 
 /// No further point was found: what is near at the last.

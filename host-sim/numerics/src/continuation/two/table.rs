@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Codimension, Condition, Plane, TwoParameterCurve, TwoParameterPoint};
 use crate::continuation::CurveEnd;
+use crate::continuation::table::motion_of;
 use crate::row::CartModel;
 use crate::row::tidy;
 
@@ -164,14 +165,7 @@ fn point_row(
     [first, second]: [&'static str; 2],
 ) -> CurvePointRow {
     let params = &point.params;
-    let moved = shared::model::rig::Rig::<f64>::new(params).ok().map(|rig| {
-        let [q, v] = point.section;
-        (
-            rig.relative_displacement(q) * 1e3,
-            rig.kinematics(q, v).rate,
-        )
-    });
-    let (displacement_mm, velocity_m_per_s) = moved.unwrap_or((f64::NAN, f64::NAN));
+    let (displacement_mm, velocity_m_per_s) = motion_of(params, point.section);
     let [(a_re, a_im), (b_re, b_im)] = point.multipliers;
     CurvePointRow {
         curve: name.to_owned(),
