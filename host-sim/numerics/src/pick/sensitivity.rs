@@ -1,7 +1,7 @@
 //! What to measure first: how the best frequency and its force move with each parameter.
 
 use serde::Serialize;
-use shared::model::cart::CartDrive;
+use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
@@ -137,6 +137,7 @@ const SHAKER_DAMPING: &str = "shaker_damping_ratio";
 const STIFFNESS_AND_DAMPING: &str = "contact stiffness (same restitution)";
 const CONTACT_DAMPING: &str = "contact_damping_n_s_per_m";
 const OTHER_CONTACT_DAMPING: &str = "contact damping";
+const RESTITUTION: &str = "contact restitution (same stiffness)";
 
 /// The step of everything else.
 const PERCENT: &str = "1 %";
@@ -145,6 +146,9 @@ const PERCENT: &str = "1 %";
 const GAP_STEP_MM: f64 = 0.01;
 
 type Change = Box<dyn Fn(&RigParams, f64) -> Option<RigParams> + Sync>;
+
+/// A parameter, the step it is changed by, and how.
+type NamedChange = (&'static str, &'static str, Change);
 
 /// The table for `params`, about the nominal optimum `best`. A parameter whose change leads off the stable
 /// 1/1 is left out.
@@ -218,114 +222,71 @@ fn forces_to(
 }
 
 /// Each parameter as a function of (rig, steps of 1 % or 0.01 mm).
-fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
-    fn relative(f: impl Fn(&mut RigParams, f64) + Sync + 'static) -> Change {
-        Box::new(move |params, steps| {
+fn changes(params: &RigParams) -> Vec<NamedChange> {
+    fn percent(name: &'static str, change: fn(&mut RigParams, f64)) -> NamedChange {
+        let changed: Change = Box::new(move |params, steps| {
             let mut rig = *params;
-            f(&mut rig, 1.0 + 0.01 * steps);
+            change(&mut rig, 1.0 + 0.01 * steps);
             rig.check().is_ok().then_some(rig)
-        })
+        });
+        (name, PERCENT, changed)
     }
-    let percent = PERCENT;
+    fn of_the_loop(rig: &mut RigParams, change: impl FnOnce(&mut LoopParams)) {
+        if let CartDrive::Loop(held) = &mut rig.cart {
+            change(held);
+        }
+    }
+    let by_gap: Change = Box::new(|params, steps| {
+        let gap_m = params.gap_m + 1e-3 * GAP_STEP_MM * steps;
+        let rig = RigParams { gap_m, ..*params };
+        rig.check().is_ok().then_some(rig)
+    });
     let mut rows = vec![
-        (
-            NATURAL_FREQUENCY,
-            percent,
-            relative(|rig, by| *rig = rig.with_natural_frequency_scaled(by)),
-        ),
-        (
-            AMPLITUDE,
-            percent,
-            relative(|rig, by| rig.amplitude_m *= by),
-        ),
-        (MASS, percent, relative(|rig, by| rig.mass_kg *= by)),
-        (
-            CONTACT_STIFFNESS,
-            percent,
-            relative(|rig, by| rig.contact = rig.contact.scaled(by, 1.0)),
-        ),
-        (
-            GAP,
-            "0.01 mm",
-            Box::new(|params: &RigParams, steps: f64| {
-                let rig = RigParams {
-                    gap_m: params.gap_m + 1e-3 * GAP_STEP_MM * steps,
-                    ..*params
-                };
-                rig.check().is_ok().then_some(rig)
-            }) as Change,
-        ),
+        percent(NATURAL_FREQUENCY, |rig, by| {
+            *rig = rig.with_natural_frequency_scaled(by);
+        }),
+        percent(AMPLITUDE, |rig, by| rig.amplitude_m *= by),
+        percent(MASS, |rig, by| rig.mass_kg *= by),
+        percent(CONTACT_STIFFNESS, |rig, by| {
+            rig.contact = rig.contact.scaled(by, 1.0);
+        }),
+        (GAP, "0.01 mm", by_gap),
     ];
     if params.cart.recoils() {
-        rows.push((
-            CART_MASS,
-            percent,
-            relative(|rig, by| rig.cart_mass_kg *= by),
-        ));
-        rows.push((
-            SHAKER_LOOP,
-            percent,
-            relative(|rig, by| {
-                if let CartDrive::Loop(held) = &mut rig.cart {
-                    held.frequency_hz *= by;
-                }
+        rows.extend([
+            percent(CART_MASS, |rig, by| rig.cart_mass_kg *= by),
+            percent(SHAKER_LOOP, |rig, by| {
+                of_the_loop(rig, |held| held.frequency_hz *= by);
             }),
-        ));
-        rows.push((
-            SHAKER_DAMPING,
-            percent,
-            relative(|rig, by| {
-                if let CartDrive::Loop(held) = &mut rig.cart {
-                    held.damping_ratio *= by;
-                }
+            percent(SHAKER_DAMPING, |rig, by| {
+                of_the_loop(rig, |held| held.damping_ratio *= by);
             }),
-        ));
-        rows.push((
-            "shaker_feed_forward",
-            percent,
-            relative(|rig, by| {
-                if let CartDrive::Loop(held) = &mut rig.cart {
-                    held.feed_forward *= by;
-                }
+            percent("shaker_feed_forward", |rig, by| {
+                of_the_loop(rig, |held| held.feed_forward *= by);
             }),
-        ));
+        ]);
     }
     if let SupportParams::Beams { .. } = params.support {
-        rows.push((
-            "damping_ratio",
-            percent,
-            relative(|rig, by| {
-                if let SupportParams::Beams { damping_ratio, .. } = &mut rig.support {
-                    *damping_ratio *= by;
-                }
-            }),
-        ));
+        rows.push(percent("damping_ratio", |rig, by| {
+            if let SupportParams::Beams { damping_ratio, .. } = &mut rig.support {
+                *damping_ratio *= by;
+            }
+        }));
     }
+    let damping: fn(&mut RigParams, f64) = |rig, by| rig.contact = rig.contact.scaled(1.0, by);
     match params.contact {
         Law::SpringDashpot { .. } => {
-            rows.push((
-                CONTACT_DAMPING,
-                percent,
-                relative(|rig, by| rig.contact = rig.contact.scaled(1.0, by)),
-            ));
-            rows.push((
-                STIFFNESS_AND_DAMPING,
-                percent,
-                relative(|rig, by| rig.contact = rig.contact.scaled(by, by.sqrt())),
-            ));
-            rows.push((
-                "contact restitution (same stiffness)",
-                percent,
-                Box::new(|params: &RigParams, steps: f64| {
-                    with_restitution(params, 1.0 + 0.01 * steps)
+            let by_restitution: Change =
+                Box::new(|params, steps| with_restitution(params, 1.0 + 0.01 * steps));
+            rows.extend([
+                percent(CONTACT_DAMPING, damping),
+                percent(STIFFNESS_AND_DAMPING, |rig, by| {
+                    rig.contact = rig.contact.scaled(by, by.sqrt());
                 }),
-            ));
+                (RESTITUTION, PERCENT, by_restitution),
+            ]);
         }
-        law if law.kind().is_lossy() => rows.push((
-            OTHER_CONTACT_DAMPING,
-            percent,
-            relative(|rig, by| rig.contact = rig.contact.scaled(1.0, by)),
-        )),
+        law if law.kind().is_lossy() => rows.push(percent(OTHER_CONTACT_DAMPING, damping)),
         _ => {}
     }
     rows
