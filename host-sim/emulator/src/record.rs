@@ -76,26 +76,8 @@ pub struct BlockRow<'a> {
     pub status: &'a Status,
 }
 
-/// A contact as it truly was.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TrueContact {
-    /// When it began, s of rig time.
-    pub onset_s: f64,
-    /// How long it lasted, s.
-    pub duration_s: f64,
-    /// Speed of the hammer towards the surface at onset, m/s.
-    pub approach_speed_m_per_s: f64,
-    /// And away from it at release, m/s.
-    pub rebound_speed_m_per_s: f64,
-    /// Largest force of the contact, N.
-    pub peak_force_n: f64,
-    /// When it was largest, s of rig time.
-    pub peak_at_s: f64,
-    /// Impulse of the contact, ∫F dt, N·s.
-    pub impulse_n_s: f64,
-    /// Energy it took, J.
-    pub energy_lost_j: f64,
-}
+/// A contact as it truly was, in rig time.
+pub use numerics::reference::LocatedContact as TrueContact;
 
 /// An event of a run and when it happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -307,16 +307,7 @@ fn station(rig_name: &str, cell: &Cell, outcome: &CellOutcome) -> Result<Station
     let grows = (2..=outcome.strobes.len()).contains(&repeats)
         && alternation(&outcome.strobes[from..]) > alternation(&outcome.strobes);
     Ok(Station {
-        row: RunRow {
-            impacts: outcome.regime.impacts(),
-            periods: outcome.regime.periods(),
-            regime: outcome.regime,
-            force_ratio: outcome.force_n / params.weight_n(),
-            force_n: outcome.force_n,
-            unsettled: outcome.unsettled,
-            failed: false,
-            ..RunRow::failed(rig_name, params, cell.frequency_hz)
-        },
+        row: RunRow::of_cell(rig_name, params, cell.frequency_hz, outcome),
         points: outcome.strobes[from..].iter().map(point).collect(),
         grows,
         start: cell.start,

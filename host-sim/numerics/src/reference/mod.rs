@@ -381,13 +381,9 @@ impl<R: Scalar> Reference<R> {
         self.approach = at.rate;
         self.open = Some(LocatedContact {
             onset_s: now,
-            duration_s: 0.0,
             approach_speed_m_per_s: at.rate.to_f64(),
-            rebound_speed_m_per_s: 0.0,
-            peak_force_n: 0.0,
             peak_at_s: now,
-            impulse_n_s: 0.0,
-            energy_lost_j: 0.0,
+            ..LocatedContact::default()
         });
     }
 }

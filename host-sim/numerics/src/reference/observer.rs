@@ -1,12 +1,13 @@
 //! What an observer of a trajectory sees: smooth pieces and finished contacts.
 
+use serde::Serialize;
 use shared::model::rig::{Rig, SwitchMode};
 
 use super::FlowPoint;
 use super::switching::Arc;
 
 /// One finished contact, times in seconds since the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LocatedContact {
     /// When it began, s.
     pub onset_s: f64,
