@@ -32,6 +32,14 @@ impl CartModel {
         }
     }
 
+    /// What was found with a cart moved so and with the other one, in the order: recoiling, prescribed.
+    pub(crate) fn sorted<T>(self, own: T, other: T) -> [T; 2] {
+        match self {
+            Self::Recoil => [own, other],
+            Self::Prescribed => [other, own],
+        }
+    }
+
     /// What a heading says of it.
     pub fn words(self) -> &'static str {
         match self {
@@ -87,6 +95,15 @@ impl NamedRig {
         let mut rig = self.clone();
         rig.params.cart = CartDrive::Loop(self.shaker?);
         Some(rig)
+    }
+
+    /// This rig with its cart moved the other way. `None` if no shaker is known.
+    pub fn with_the_other_cart(&self) -> Option<Self> {
+        if self.params.cart.recoils() {
+            Some(self.clone().prescribed())
+        } else {
+            self.recoiling()
+        }
     }
 
     /// The preset `name`.

@@ -270,10 +270,7 @@ impl<R: Scalar> Drill<R> {
             Feed::Cart => {
                 (p.q, p.v) = self.body.drawn_back(p.q, p.v, p.lead);
                 p.at = self.body.place(p.q, p.v);
-                if self.bit.is_some() {
-                    p.bit[0] -= p.lead;
-                }
-                p.lead = R::ZERO;
+                self.ground_comes_back();
             }
             // The ground must not come to where the hammer is.
             Feed::Ground => {

@@ -115,10 +115,8 @@ pub fn advise(
     let natural_hz = rig.params.natural_frequency_hz();
     let multiplier = multiplier(rig, setting, &best, plan);
     let rigid = pick(rig, None, PickLimits::default(), &WithinStep(progress)).ok();
-    let rigid_row = match &rigid {
-        Some(found) => Some(at(rig, setting, found.answer.operating_frequency_hz, plan)?),
-        None => None,
-    };
+    let rigid_hz = rigid.as_ref().map(|p| p.answer.operating_frequency_hz);
+    let rigid_row = rigid_hz.map(|hz| at(rig, setting, hz, plan)).transpose()?;
     let near = spread(
         (1.0 - NEAR) * best.frequency_hz,
         (1.0 + NEAR) * best.frequency_hz,
@@ -135,37 +133,33 @@ pub fn advise(
         Ok(corner)
     })?;
     let cart = CartModel::of(&rig.params);
-    let own = Some((best.rate_of_penetration_um_per_s, best.frequency_hz));
-    let other = other_cart(rig, setting, (&near, among), plan)?;
-    let (recoil, prescribed) = match cart {
-        CartModel::Recoil => (own, other),
-        CartModel::Prescribed => (other, own),
+    let numbers = |row: &DrillRow| (row.rate_of_penetration_um_per_s, row.frequency_hz);
+    let other = match rig.with_the_other_cart() {
+        Some(other) => best_near(&other, setting, (&near, among), plan)?,
+        None => None,
+    };
+    let [recoil, prescribed] = cart.sorted(Some(numbers(&best)), other.as_ref().map(numbers));
+    let bare = DrillSetting {
+        bit: None,
+        ..*setting
     };
     let without_bit = match setting.bit {
         None => None,
-        Some(_) => {
-            let bare = DrillSetting {
-                bit: None,
-                ..*setting
-            };
-            best_near(rig, &bare, (&near, among), plan)?
-        }
+        Some(_) => best_near(rig, &bare, (&near, among), plan)?,
     };
     let reached = |r: &&DrillRow| r.ground_force_n >= (1.0 - 1e-9) * r.threshold_n;
     let first = rows.iter().find(reached);
     let last = rows.iter().rev().find(reached);
-    let largest = best.rate_of_penetration_um_per_s;
-    let rigid_rate = rigid_row.as_ref().map(|r| r.rate_of_penetration_um_per_s);
+    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+    let rigid_rate = rigid_row.as_ref().map(rate);
     Ok(DrillAnswer {
         gap_mm: best.gap_mm,
         multiplier,
-        rigid_frequency_hz: rigid.as_ref().map(|p| p.answer.operating_frequency_hz),
-        rigid_frequency_ratio: rigid
-            .as_ref()
-            .map(|p| p.answer.operating_frequency_hz / natural_hz),
+        rigid_frequency_hz: rigid_hz,
+        rigid_frequency_ratio: rigid_hz.map(|hz| hz / natural_hz),
         rigid_force_n: rigid.as_ref().map(|p| p.answer.force_n),
         rigid_rate_um_per_s: rigid_rate,
-        rigid_share: rigid_rate.map(|rate| rate / largest),
+        rigid_share: rigid_rate.map(|own| own / rate(&best)),
         threshold_reached_ratios: first
             .zip(last)
             .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
@@ -175,8 +169,8 @@ pub fn advise(
         recoil_frequency_hz: recoil.map(|r| r.1),
         prescribed_rate_um_per_s: prescribed.map(|r| r.0),
         prescribed_frequency_hz: prescribed.map(|r| r.1),
-        without_bit_rate_um_per_s: without_bit.map(|r| r.0),
-        without_bit_frequency_hz: without_bit.map(|r| r.1),
+        without_bit_rate_um_per_s: without_bit.as_ref().map(rate),
+        without_bit_frequency_hz: without_bit.as_ref().map(|b| b.frequency_hz),
         best,
     })
 }
@@ -293,55 +287,28 @@ fn grounds(nominal: &Slider<f64>, u: GroundUncertainty) -> Vec<Slider<f64>> {
     found
 }
 
-/// Rate (µm/s) and frequency (Hz) of the best near `near_hz` with the cart moved the other way. None where the shaker is not
-/// known, or nothing gives way.
-fn other_cart(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    (near_hz, among): (&[f64], Among),
-    plan: DrillPlan,
-) -> Result<Option<(f64, f64)>, Error> {
-    let other = if rig.params.cart.recoils() {
-        Some(rig.clone().prescribed())
-    } else {
-        rig.recoiling()
-    };
-    match other {
-        Some(other) => best_near(&other, setting, (near_hz, among), plan),
-        None => Ok(None),
-    }
-}
-
-/// Rate (µm/s) and frequency (Hz) of the best near `near_hz`. None where nothing gives way.
+/// The best near `near_hz`. None where nothing gives way.
 fn best_near(
     rig: &NamedRig,
     setting: &DrillSetting,
     (near_hz, among): (&[f64], Among),
     plan: DrillPlan,
-) -> Result<Option<(f64, f64)>, Error> {
+) -> Result<Option<DrillRow>, Error> {
     let rows = parallel::try_map(near_hz, |hz| at(rig, setting, *hz, plan))?;
-    let best = refined(rig, setting, &rows, among, plan).ok();
-    Ok(best.map(|b| (b.rate_of_penetration_um_per_s, b.frequency_hz)))
+    Ok(refined(rig, setting, &rows, among, plan).ok())
 }
 
 fn corner(
     rig: &NamedRig,
     setting: &DrillSetting,
     nominal_hz: f64,
-    (near_hz, among): (&[f64], Among),
+    near: (&[f64], Among),
     plan: DrillPlan,
 ) -> Result<Corner, Error> {
     let here = at(rig, setting, nominal_hz, plan)?;
-    let rows: Result<Vec<_>, Error> = near_hz
-        .iter()
-        .map(|hz| at(rig, setting, *hz, plan))
-        .collect();
-    let best = refined(rig, setting, &rows?, among, plan).unwrap_or_else(|_| here.clone());
-    let best = if best.rate_of_penetration_um_per_s > here.rate_of_penetration_um_per_s {
-        best
-    } else {
-        here.clone()
-    };
+    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+    let better = best_near(rig, setting, near, plan)?.filter(|best| rate(best) > rate(&here));
+    let best = better.as_ref().unwrap_or(&here);
     Ok(Corner {
         threshold_n: setting.ground.threshold,
         ground_stiffness_n_per_m: setting.ground.stiffness,

@@ -44,10 +44,7 @@ pub(crate) struct PickParts<C: PickCase> {
 impl<C: PickCase> PickParts<C> {
     /// The best with a cart that recoils, and with one that moves as prescribed.
     pub(crate) fn by_cart(&self) -> [Option<BestPoint>; 2] {
-        match CartModel::of(&self.rig.params) {
-            CartModel::Recoil => [Some(self.own), self.other],
-            CartModel::Prescribed => [self.other, Some(self.own)],
-        }
+        CartModel::of(&self.rig.params).sorted(Some(self.own), self.other)
     }
 
     /// The answer for tables and text.

@@ -360,11 +360,7 @@ fn other_cart<C: PickCase>(
     limits: PickLimits,
     progress: &dyn Progress,
 ) -> Option<BestPoint> {
-    let other = if rig.params.cart.recoils() {
-        rig.clone().prescribed()
-    } else {
-        rig.recoiling()?
-    };
+    let other = rig.with_the_other_cart()?;
     let branch = case.with(&other.params).best_branch(&other, progress);
     comparable(&other, &branch.ok()?, limits, progress)
 }
