@@ -3,8 +3,6 @@
 
 mod words;
 
-use std::fmt;
-
 use shared::model::drive::DriveError;
 use shared::model::params::ParamError;
 use thiserror::Error;
@@ -84,6 +82,16 @@ pub enum Error {
         "the smoothing method has no onset, whose speed this contact law needs; choose another contact_law"
     )]
     SmoothingLaw,
+    /// The recorded cycles are none, or more than are run.
+    #[error(
+        "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
+    )]
+    Recorded {
+        /// How many are to be recorded.
+        recorded: u32,
+        /// How many are run.
+        cycles: u32,
+    },
     /// A map cannot be made so.
     #[error(transparent)]
     Map(#[from] MapError),
@@ -233,16 +241,6 @@ pub enum MapError {
     /// No cycles to run.
     #[error("--cycles is 0, must be at least 1")]
     NoCycles,
-    /// The recorded cycles are none, or more than are run.
-    #[error(
-        "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
-    )]
-    Recorded {
-        /// How many are to be recorded.
-        recorded: u32,
-        /// How many are run.
-        cycles: u32,
-    },
     /// Cells that have not settled would run no further than the others.
     #[error(
         "--settle is {settle}, must be more than the {cycles} drive cycles of a run (--cycles)"
@@ -268,16 +266,13 @@ pub enum BasinsError {
         "the window's {side} goes from {from} to {to} (m or m/s); the second must be the larger"
     )]
     Window {
-        /// Side of the window that does not rise.
-        side: WindowSide,
+        /// Side of the window that does not rise: "displacement" or "velocity".
+        side: &'static str,
         /// Value at which the side begins, m or m/s.
         from: f64,
         /// Value at which the side ends, m or m/s.
         to: f64,
     },
-    /// The drive phase at the start, turns, is not from 0 to below 1.
-    #[error("{}", StartError::Phase(*.0))]
-    Phase(f64),
     /// The grid has no cells, or too many.
     #[error(
         "a grid of {columns} by {rows} has {} cells; it must have from 1 to {most}",
@@ -291,16 +286,6 @@ pub enum BasinsError {
         /// The most cells there can be.
         most: usize,
     },
-    /// The recorded cycles are none, or more than are run.
-    #[error(
-        "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
-    )]
-    Recorded {
-        /// How many are to be recorded.
-        recorded: u32,
-        /// How many are run.
-        cycles: u32,
-    },
     /// The random starts would run no further than the grid's.
     #[error("--until is {until}, must be at least the {cycles} drive cycles of a run (--cycles)")]
     Until {
@@ -309,15 +294,6 @@ pub enum BasinsError {
         /// Cycles all run to.
         cycles: u32,
     },
-}
-
-/// A side of the window of starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WindowSide {
-    /// The range of displacements relative to the cart, m.
-    Displacement,
-    /// The range of velocities relative to the cart, m/s.
-    Velocity,
 }
 
 /// Why a beam with several bending modes cannot be computed.
@@ -538,15 +514,6 @@ pub enum PickError {
         /// What those of them that cannot be kept would have to be at least.
         feasible: Box<PickLimits>,
     },
-}
-
-impl fmt::Display for WindowSide {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Displacement => "displacement",
-            Self::Velocity => "velocity",
-        })
-    }
 }
 
 impl MotionError {

@@ -17,7 +17,7 @@ mod tests;
 use serde::Serialize;
 
 use crate::engine::Engine;
-use crate::error::{BasinsError, Error, WindowSide};
+use crate::error::{BasinsError, Error, StartError};
 use crate::progress::Progress;
 use crate::row::NamedRig;
 pub use attractors::{Attractor, AttractorKind, AttractorName};
@@ -81,13 +81,13 @@ impl BasinsRequest {
     /// If the window, the number of cells, the phase or the cycles are out of range.
     pub fn check(&self) -> Result<(), Error> {
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
-        for (side, [from, to]) in [(WindowSide::Displacement, x), (WindowSide::Velocity, v)] {
+        for (side, [from, to]) in [("displacement", x), ("velocity", v)] {
             if !(from < to && from.is_finite() && to.is_finite()) {
                 return Err(BasinsError::Window { side, from, to }.into());
             }
         }
         if !(0.0..1.0).contains(&self.phase) {
-            return Err(BasinsError::Phase(self.phase).into());
+            return Err(StartError::Phase(self.phase).into());
         }
         let cells = self.window.columns.saturating_mul(self.window.rows);
         if !(1..=MOST_CELLS).contains(&cells) {
@@ -98,19 +98,12 @@ impl BasinsRequest {
             }
             .into());
         }
-        if self.recorded == 0 || self.recorded > self.cycles {
-            return Err(BasinsError::Recorded {
-                recorded: self.recorded,
-                cycles: self.cycles,
-            }
-            .into());
+        let (recorded, cycles, until) = (self.recorded, self.cycles, self.until);
+        if recorded == 0 || recorded > cycles {
+            return Err(Error::Recorded { recorded, cycles });
         }
-        if self.until < self.cycles {
-            return Err(BasinsError::Until {
-                until: self.until,
-                cycles: self.cycles,
-            }
-            .into());
+        if until < cycles {
+            return Err(BasinsError::Until { until, cycles }.into());
         }
         Ok(())
     }

@@ -115,7 +115,7 @@ impl MapRequest {
             return Err(MapError::NoCycles.into());
         }
         if recorded == 0 || recorded > cycles {
-            return Err(MapError::Recorded { recorded, cycles }.into());
+            return Err(Error::Recorded { recorded, cycles });
         }
         match self.settle {
             Some(settle) if settle <= cycles => Err(MapError::Settle { settle, cycles }.into()),
