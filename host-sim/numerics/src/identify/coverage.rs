@@ -52,114 +52,69 @@ impl CoverageCase {
     }
 }
 
-/// All cases, in the order of the table.
+/// All cases, in the order of the table: each is the usual test with what is said of it changed.
 pub fn cases() -> Vec<CoverageCase> {
-    let noisy = |share: f64| DropTest {
-        noise_n: share * PEAK_N,
-        ..DropTest::default()
+    let dashpot = |name, change: fn(&mut DropTest)| {
+        let mut test = DropTest {
+            noise_n: USUAL_NOISE * PEAK_N,
+            ..DropTest::default()
+        };
+        change(&mut test);
+        CoverageCase {
+            name,
+            test,
+            truth: LAWS[0].1,
+            family: LawKind::SpringDashpot,
+        }
     };
-    let usual = noisy(USUAL_NOISE);
-    let dashpot = |name, test| CoverageCase {
-        name,
-        test,
-        truth: LAWS[0].1,
-        family: LawKind::SpringDashpot,
-    };
-    let filtered = |filter_hz| DropTest { filter_hz, ..usual };
-    let mut cases = vec![
-        dashpot("noise-0.1-percent", noisy(0.001)),
-        dashpot("noise-0.2-percent", usual),
-        dashpot("noise-0.5-percent", noisy(0.005)),
-        dashpot("noise-1-percent", noisy(0.01)),
-        dashpot("noise-2-percent", noisy(0.02)),
-        dashpot("noise-5-percent", noisy(0.05)),
-        dashpot(
-            "gain-2-percent",
-            DropTest {
-                force_gain_percent: 2.0,
-                ..usual
-            },
-        ),
-        dashpot(
-            "ringing-3-khz",
-            DropTest {
-                ringing_share: 0.5,
-                ..usual
-            },
-        ),
-        dashpot(
-            "bits-10",
-            DropTest {
-                bits: 10,
-                noise_n: 0.0,
-                ..usual
-            },
-        ),
-        dashpot("bits-10-noise", DropTest { bits: 10, ..usual }),
-        dashpot("filter-10-khz", filtered(10e3)),
-        dashpot("filter-6-khz", filtered(6e3)),
-        dashpot("filter-3-khz", filtered(3e3)),
-        dashpot(
-            "release-1-percent",
-            DropTest {
-                displacement_gain_percent: 1.0,
-                ..usual
-            },
-        ),
-        dashpot(
-            "drift",
-            DropTest {
-                drift_n_per_s: 0.5,
-                ..usual
-            },
-        ),
-        dashpot(
-            "everything",
-            DropTest {
-                force_gain_percent: 2.0,
-                ringing_share: 0.2,
-                bits: 10,
-                filter_hz: 6e3,
-                displacement_gain_percent: 1.0,
-                offset_n: 1.0,
-                drift_n_per_s: 0.5,
-                ..usual
-            },
-        ),
-    ];
-    let crossley = CoverageCase {
+    let crossley = |name, family| CoverageCase {
         truth: LAWS[2].1,
-        ..dashpot("hunt-crossley-as-dashpot", usual)
+        family,
+        ..dashpot(name, |_| ())
     };
-    for (name, converter) in [
-        ("digital-filter", Converter::Iir),
-        ("linear-phase-filter", Converter::Fir),
-        ("mean-of-three", Converter::Mean),
-        ("delta-sigma", Converter::DeltaSigma),
-    ] {
-        cases.push(dashpot(name, DropTest { converter, ..usual }));
-    }
-    cases.push(dashpot(
-        "clock-1-percent",
-        DropTest {
-            clock_fast_percent: 1.0,
-            ..usual
-        },
-    ));
-    cases.push(dashpot(
-        "steps",
-        DropTest {
-            step_n: 0.5,
-            ..usual
-        },
-    ));
-    cases.push(crossley);
-    cases.push(CoverageCase {
-        name: "hunt-crossley",
-        family: LawKind::HuntCrossley,
-        ..crossley
-    });
-    cases
+    vec![
+        dashpot("noise-0.1-percent", |test| test.noise_n = 0.001 * PEAK_N),
+        dashpot("noise-0.2-percent", |_| ()),
+        dashpot("noise-0.5-percent", |test| test.noise_n = 0.005 * PEAK_N),
+        dashpot("noise-1-percent", |test| test.noise_n = 0.01 * PEAK_N),
+        dashpot("noise-2-percent", |test| test.noise_n = 0.02 * PEAK_N),
+        dashpot("noise-5-percent", |test| test.noise_n = 0.05 * PEAK_N),
+        dashpot("gain-2-percent", |test| test.force_gain_percent = 2.0),
+        dashpot("ringing-3-khz", |test| test.ringing_share = 0.5),
+        dashpot("bits-10", |test| {
+            test.bits = 10;
+            test.noise_n = 0.0;
+        }),
+        dashpot("bits-10-noise", |test| test.bits = 10),
+        dashpot("filter-10-khz", |test| test.filter_hz = 10e3),
+        dashpot("filter-6-khz", |test| test.filter_hz = 6e3),
+        dashpot("filter-3-khz", |test| test.filter_hz = 3e3),
+        dashpot("release-1-percent", |test| {
+            test.displacement_gain_percent = 1.0;
+        }),
+        dashpot("drift", |test| test.drift_n_per_s = 0.5),
+        dashpot("everything", |test| {
+            test.force_gain_percent = 2.0;
+            test.ringing_share = 0.2;
+            test.bits = 10;
+            test.filter_hz = 6e3;
+            test.displacement_gain_percent = 1.0;
+            test.offset_n = 1.0;
+            test.drift_n_per_s = 0.5;
+        }),
+        dashpot("digital-filter", |test| test.converter = Converter::Iir),
+        dashpot("linear-phase-filter", |test| {
+            test.converter = Converter::Fir;
+        }),
+        dashpot("mean-of-three", |test| test.converter = Converter::Mean),
+        dashpot("delta-sigma", |test| {
+            test.converter = Converter::DeltaSigma;
+        }),
+        dashpot("clock-1-percent", |test| test.clock_fast_percent = 1.0),
+        dashpot("steps", |test| test.step_n = 0.5),
+        crossley("hunt-crossley-as-dashpot", LawKind::SpringDashpot),
+        crossley("hunt-crossley", LawKind::HuntCrossley),
+    ]
 }
 
 /// A line of the table: one parameter of one case.
