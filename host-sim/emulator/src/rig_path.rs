@@ -23,8 +23,8 @@ pub struct Moment {
     pub held_s: f64,
 }
 
-/// The rig over a run.
-#[derive(Clone, Debug, PartialEq)]
+/// The rig over a run; by default there is none.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigPath {
     moments: Vec<Moment>,
 }
@@ -68,7 +68,7 @@ impl RigPath {
         counts: fn(&Moment) -> f64,
         optimum: impl Fn(&Moment) -> Option<Optimum>,
     ) -> Option<Optimum> {
-        let last = self.moments.len() - 1;
+        let last = self.moments.len().checked_sub(1)?;
         let total_s: f64 = self.moments.iter().map(counts).sum();
         if last == 0 || total_s <= 0.0 {
             return optimum(&self.moments[last]);

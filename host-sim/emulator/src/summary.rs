@@ -60,7 +60,7 @@ pub fn cut_away_from_contacts(turns: f64) -> f64 {
 }
 
 /// Counts and sums over a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RunSummary {
     tick_s: f64,
     /// When the first start was given, s.
@@ -134,34 +134,9 @@ impl RunSummary {
     pub fn new(scenario: &Scenario) -> Self {
         Self {
             tick_s: scenario.tick_s(),
-            started_s: None,
-            hold_s: None,
-            status: None,
-            contacts: 0,
-            last_contact_s: None,
-            largest_n: 0.0,
-            largest_travel_m: 0.0,
-            largest_cart_m: 0.0,
-            progress_m: [0.0; 2],
-            driven_with_fault_s: 0.0,
-            asked: ForceSpan::default(),
-            held: ForceSpan::default(),
-            hold_periods: 0,
-            hold_hz: 0.0,
-            faults: Vec::new(),
             rigs: RigPath::new(&levelled(&scenario.true_rig, scenario.mounting.tilt_rad)),
-            ticks: 0,
             finite: true,
-            last_on: None,
-            last_act: None,
-            turns: 0.0,
-            whole: false,
-            period_n: 0.0,
-            period_s: 0.0,
-            holding: false,
-            running: false,
-            counts_held: false,
-            with_fault_s: 0.0,
+            ..Self::default()
         }
     }
 

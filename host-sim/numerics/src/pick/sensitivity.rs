@@ -13,7 +13,7 @@ use crate::root::{halved, maximum, vertex};
 use crate::uncertainty::Uncertainty;
 
 /// Change of the nominal optimum with one parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// Name of the parameter, as rig files have it, or in words; in brackets what is kept as it is.
     pub parameter: &'static str,
@@ -46,12 +46,7 @@ impl Sensitivity {
             per,
             frequency_percent: frequency,
             force_percent: force,
-            uncertainty_percent: None,
-            uncertainty_mm: None,
-            uncertainty_factor: None,
-            frequency_over_uncertainty_percent: None,
-            force_over_uncertainty_percent: None,
-            force_range_percent: None,
+            ..Self::default()
         }
     }
 
