@@ -7,10 +7,11 @@ use crate::sensors::{BadContactEnd, Defect, EmulatedSensor};
 use files::UserError;
 
 /// The sensors that a fault strikes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Which {
     /// The sensor of the contact force.
+    #[default]
     Force,
     /// The sensor of the hammer's displacement.
     Hammer,
@@ -43,10 +44,11 @@ impl Which {
 }
 
 /// What is wrong with a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SensorDefect {
     /// Its wire is open.
+    #[default]
     Open,
     /// It is at its upper rail.
     Saturated,
@@ -79,7 +81,7 @@ pub enum SensorDefect {
 }
 
 /// A sensor fault with the keys it may have.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorFault {
     /// The sensors that the fault strikes.
@@ -122,28 +124,6 @@ const DRIFT: [&str; 2] = ["drift_n_per_s", "drift_um_per_s"];
 const NOISE: [&str; 2] = ["noise_n", "noise_um"];
 
 impl SensorFault {
-    /// A fault without a number, to the end.
-    pub fn new(sensor: Which, fault: SensorDefect) -> Self {
-        Self {
-            sensor,
-            fault,
-            times: None,
-            for_s: None,
-            percent_per_s: None,
-            offset_n: None,
-            offset_um: None,
-            drift_n_per_s: None,
-            drift_um_per_s: None,
-            noise_n: None,
-            noise_um: None,
-            delay_ms: None,
-            delay_ms_per_s: None,
-            ticks: None,
-            of: None,
-            at: None,
-        }
-    }
-
     /// Every number that was given but `for_s`: key, value and range.
     pub(super) fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
         const REACH: (f64, f64) = (-1e5, 1e5);

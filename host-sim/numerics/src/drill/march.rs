@@ -65,23 +65,7 @@ pub struct Drill<R> {
 
 impl<R: Scalar> Drill<R> {
     /// The hammer of `params` at rest on ground that gives way, in its cart (prescribed or recoiling, as `params` say) that
-    /// is on its course, at drive phase 0.
-    ///
-    /// # Errors
-    /// The first parameter out of range.
-    ///
-    /// # Panics
-    /// If `frequency_hz` is not a positive number.
-    pub fn hammer(
-        params: &RigParams,
-        slider: &Slider<f64>,
-        feed: Feed,
-        frequency_hz: f64,
-    ) -> Result<Self, ParamError> {
-        Self::through(params, slider, None, feed, frequency_hz)
-    }
-
-    /// [`Self::hammer`], striking through a bit that stands on the ground where there is one.
+    /// is on its course, at drive phase 0. It strikes through a bit that stands on the ground where there is one.
     ///
     /// # Errors
     /// The first parameter out of range.

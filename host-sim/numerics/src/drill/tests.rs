@@ -96,7 +96,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         }
         let (a, b) = (here.multipliers().modulus(), rigid.multipliers().modulus());
         assert!((a - b).abs() < 1e-6, "{a} {b}");
-        let mut drill = Drill::<f64>::hammer(&params, &ground, Feed::Cart, hz).unwrap();
+        let mut drill = Drill::<f64>::through(&params, &ground, None, Feed::Cart, hz).unwrap();
         drill.place([here.section[0], here.section[1], 0.0]);
         let (period, _) = drill.run_period(&mut Vec::new());
         let apart = (period.peak_force / rigid.force_n - 1.0).abs();
@@ -117,7 +117,7 @@ fn energy_is_accounted_for() {
                 *torque = shared::model::params::Torque::Cosine;
             }
             let hz = ratio * params.natural_frequency_hz();
-            let mut drill = Drill::<f64>::hammer(&params, &rock(25.0), feed, hz).unwrap();
+            let mut drill = Drill::<f64>::through(&params, &rock(25.0), None, feed, hz).unwrap();
             let mut blows = Vec::new();
             for _ in 0..40 {
                 drill.run_period(&mut blows);
@@ -174,7 +174,7 @@ fn one_blow_on_an_ideal_slider_spends_its_energy_on_progress() {
 #[test]
 fn the_answer_does_not_depend_on_the_tolerance() {
     let rate = |tolerance: f64| {
-        let drill = Drill::<f64>::hammer(&WIRES, &rock(50.0), Feed::Cart, 3.7).unwrap();
+        let drill = Drill::<f64>::through(&WIRES, &rock(50.0), None, Feed::Cart, 3.7).unwrap();
         let mut drill = drill.with_tolerance(tolerance);
         let mut blows = Vec::new();
         for _ in 0..60 {
@@ -197,7 +197,7 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
     let found = orbit::shoot(&WIRES, &rock(25.0), None, hz, seen.guess()).unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
-    let drill = Drill::<f64>::hammer(&WIRES, &rock(25.0), Feed::Cart, hz).unwrap();
+    let drill = Drill::<f64>::through(&WIRES, &rock(25.0), None, Feed::Cart, hz).unwrap();
     let units = [drill.units().0, drill.units().1];
     let image = |i: usize, by: f64| {
         let mut x = [found.section[0], found.section[1], 0.0];

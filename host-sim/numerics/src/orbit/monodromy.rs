@@ -21,14 +21,6 @@ impl Multipliers {
             Self::Complex(modulus) => modulus,
         }
     }
-
-    /// The smallest real multiplier, if real: −1 is a period doubling.
-    pub fn smallest_real(self) -> Option<f64> {
-        match self {
-            Self::Real(a, _) => Some(a),
-            Self::Complex(_) => None,
-        }
-    }
 }
 
 /// The monodromy matrix in units of A0 and A0 Ω: of the hammer alone (two rows), or of hammer and cart (four).

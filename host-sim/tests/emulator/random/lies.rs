@@ -42,8 +42,10 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> ScenarioAct {
     let for_s = (!stays).then(|| r.within(0.5, 8.0));
     let (length, force) = (one != Which::Force, one == Which::Force);
     let lie = |fault| SensorFault {
+        sensor: one,
+        fault,
         for_s,
-        ..SensorFault::new(one, fault)
+        ..SensorFault::default()
     };
     ScenarioAct::SensorFault(match kind {
         Kind::Short => {

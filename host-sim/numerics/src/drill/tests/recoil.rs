@@ -25,7 +25,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         let seen = at(&params, 1e6, Feed::Cart, hz / params.natural_frequency_hz());
         let rigid = shoot_at(&params, hz, seen.guess(), 1).unwrap();
         let here = orbit::shoot(&params, &rock(1e6), None, hz, rigid.at()).unwrap();
-        let units = Drill::<f64>::hammer(&params, &rock(1e6), Feed::Cart, hz)
+        let units = Drill::<f64>::through(&params, &rock(1e6), None, Feed::Cart, hz)
             .unwrap()
             .all_units();
         for (i, unit) in units.iter().enumerate() {
@@ -91,7 +91,8 @@ fn energy_is_accounted_for() {
                     + params.mass_kg * speed * at.rate
                     + 0.5 * both_kg * speed * speed
             };
-            let mut drill = Drill::<f64>::hammer(&params, &rock(25.0), Feed::Ground, hz).unwrap();
+            let mut drill =
+                Drill::<f64>::through(&params, &rock(25.0), None, Feed::Ground, hz).unwrap();
             let mut blows = Vec::new();
             for _ in 0..40 {
                 drill.run_period(&mut blows);
@@ -121,7 +122,7 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
     let found = orbit::shoot(&params, &ground, None, hz, seen.guess()).unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
-    let drill = Drill::<f64>::hammer(&params, &ground, Feed::Cart, hz).unwrap();
+    let drill = Drill::<f64>::through(&params, &ground, None, Feed::Cart, hz).unwrap();
     // The cart's ringing adds the errors of many steps, which differences magnify.
     let drill = drill.with_tolerance(1e-14);
     let units = drill.all_units();
