@@ -7,7 +7,7 @@ use numerics::continuation::{
     Until, diagram, march,
 };
 use numerics::engine::{CycleRecorder, Engine, Plan, Start, machine, observe};
-use numerics::orbit::{Stability, on_course, shoot, shoot_periods};
+use numerics::orbit::{Stability, on_course, shoot, shoot_at};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, BEAM_170, RigParams, WIRES};
 use shared::model::regime::Regime;
@@ -148,7 +148,7 @@ fn the_monodromy_over_two_periods_is_the_square() {
         hammer.period(None);
     }
     let orbit = shoot(&WIRES, hz, hammer.section()).expect("an orbit");
-    let twice = shoot_periods(&WIRES, orbit.frequency_hz, orbit.section, 2).unwrap();
+    let twice = shoot_at(&WIRES, orbit.frequency_hz, on_course(orbit.section), 2).unwrap();
     assert_eq!((orbit.impacts, twice.impacts), (1, 2));
     let square = |(re, im): (f64, f64)| (re * re - im * im, 2.0 * re * im);
     let mut want = orbit.eigenvalues().map(square);
@@ -405,7 +405,8 @@ fn orbits_are_admissible() {
             assert!(orbit.seen.near_miss_m.is_none_or(|m| m > 0.0));
             let contacts = usize::from(orbit.impacts);
             assert_eq!(orbit.seen.contacts.len(), contacts, "{}", node.parameter());
-            let again = shoot_periods(&params, orbit.frequency_hz, orbit.section, orbit.periods);
+            let section = on_course(orbit.section);
+            let again = shoot_at(&params, orbit.frequency_hz, section, orbit.periods);
             // At a fold or graze Newton's iteration may find a neighbour, never another kind.
             if let (Some(again), None) = (again, node.special) {
                 assert_eq!(again.impacts, orbit.impacts);

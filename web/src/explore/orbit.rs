@@ -4,7 +4,7 @@ use numerics::NamedRig;
 use numerics::basins::{AttractorShare, BasinsRequest, explore};
 use numerics::engine::answer::{ContactRow, RunAnswer, SectionRow, contact_rows, section_rows};
 use numerics::engine::{CycleRecorder, Engine, Plan, RecordedSample, Start, machine, observe};
-use numerics::orbit::{Orbit, Stability, shoot_periods};
+use numerics::orbit::{Orbit, Stability, on_course, shoot_at};
 use serde::{Deserialize, Serialize};
 use shared::model::rig::Rig;
 
@@ -122,7 +122,7 @@ pub fn orbit(argument: &[u8]) -> Result<Vec<u8>, String> {
         hammer.period(Some(&mut history));
     }
     let orbit = seen.regime.periods().and_then(|n| {
-        let found = shoot_periods(&rig.params, asked.frequency_hz, settled, n)?;
+        let found = shoot_at(&rig.params, asked.frequency_hz, on_course(settled), n)?;
         Some(Multipliers::new(&rig, &found))
     });
     write(&Found {
@@ -169,7 +169,7 @@ pub fn neighbours(argument: &[u8]) -> Result<Vec<u8>, String> {
     let motion = |share: AttractorShare| {
         let orbit = share.section_middle.zip(share.periods).and_then(|(x, n)| {
             let section = [x[0] * units[0], x[1] * units[1]];
-            shoot_periods(&rig.params, asked.frequency_hz, section, n)
+            shoot_at(&rig.params, asked.frequency_hz, on_course(section), n)
         });
         Neighbour {
             orbit: orbit.map(|orbit| Multipliers::new(&rig, &orbit)),

@@ -245,7 +245,7 @@ impl Family {
 
     /// The derivatives of the miss (in units of A0 and A0 Ω) by the place.
     fn rows(&self, image: &ReturnMapImage, place: &CurvePlace) -> Option<[CurvePlace; 4]> {
-        let monodromy = image.monodromy();
+        let monodromy = image.monodromy;
         let section = self.section(place);
         let ahead = place[PARAMETER] + DIFFERENCE;
         let (params, frequency_hz) = self.at(ahead);

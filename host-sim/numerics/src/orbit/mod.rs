@@ -7,10 +7,10 @@ mod watch;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use crate::dual::Dual;
 use crate::flow::Scalar;
 use crate::reference::{LocatedContact, Reference, TOLERANCE};
 pub use loop_force::loop_force_n;
+pub(crate) use monodromy::seeds;
 pub use monodromy::{Monodromy, Multipliers};
 pub use watch::OrbitWatch;
 
@@ -183,21 +183,11 @@ impl Exactness {
 ///
 /// `None` if Newton's iteration does not settle, or leaves the hammer without contact.
 pub fn shoot(params: &RigParams, frequency_hz: f64, guess: [f64; 2]) -> Option<Orbit> {
-    shoot_periods(params, frequency_hz, guess, 1)
+    shoot_at(params, frequency_hz, on_course(guess), 1)
 }
 
-/// [`shoot`] for an orbit that repeats after `periods` drive periods. One that repeats sooner is found, too:
-/// [`Orbit::asymmetry`] tells them apart.
-pub fn shoot_periods(
-    params: &RigParams,
-    frequency_hz: f64,
-    guess: [f64; 2],
-    periods: u8,
-) -> Option<Orbit> {
-    shoot_at(params, frequency_hz, on_course(guess), periods)
-}
-
-/// [`shoot_periods`] from a guess of the cart's deviation as well.
+/// [`shoot`] from a guess of the cart's deviation as well, for an orbit that repeats after `periods` drive periods. One
+/// that repeats sooner is found, too: [`Orbit::asymmetry`] tells them apart.
 pub fn shoot_at(
     params: &RigParams,
     frequency_hz: f64,
@@ -219,10 +209,14 @@ pub(crate) fn shoot_to(
     const SMALLER: f64 = 0.25;
     let (mut x, mut last, mut known) = (guess, f64::INFINITY, None);
     for _ in 0..ITERATIONS {
-        let image = match known {
-            Some(near) => ReturnMapImage::plain(exactness.tolerance, params, frequency_hz, x, near),
-            None => ReturnMapImage::to(exactness, params, frequency_hz, x, periods),
-        }?;
+        let image = if let Some(near) = known {
+            let tolerance = exactness.tolerance;
+            let (mut image, _) = ReturnMapImage::from(tolerance, params, frequency_hz, x, 1)?;
+            image.monodromy = near;
+            image
+        } else {
+            ReturnMapImage::to(exactness, params, frequency_hz, x, periods)?
+        };
         let miss = image.miss(x);
         let size = largest(miss);
         if size < exactness.closure {
@@ -230,10 +224,10 @@ pub(crate) fn shoot_to(
         }
         let use_again =
             exactness.near && periods == 1 && (known.is_none() || size < SMALLER * last);
-        known = use_again.then(|| *image.monodromy());
+        known = use_again.then(|| image.monodromy);
         last = size;
         // (I − M) step = miss.
-        let step = image.monodromy().newton_step(miss);
+        let step = image.monodromy.newton_step(miss);
         let length = largest(step);
         if !length.is_finite() {
             return None;
@@ -262,7 +256,8 @@ pub(crate) fn largest(x: Section) -> f64 {
 /// The return map of some periods with its derivative, and what happened on the way.
 pub(crate) struct ReturnMapImage {
     end: Section,
-    monodromy: Monodromy,
+    /// The derivative in units of A0 and A0 Ω.
+    pub(crate) monodromy: Monodromy,
     /// A0 and A0 Ω in the rig's coordinate, and in m and m/s.
     pub(crate) units: Section,
     onsets: u16,
@@ -308,35 +303,9 @@ impl ReturnMapImage {
         x: Section,
         periods: u8,
     ) -> Option<Self> {
-        let start = [0, 1, 2, 3].map(|i| {
-            if i < N {
-                Dual::<N>::variable(x[i], i)
-            } else {
-                Dual::constant(x[i])
-            }
-        });
+        let start = seeds::<N>(x);
         let (mut image, end) = Self::from(tolerance, params, frequency_hz, start, periods)?;
-        let units = image.units;
-        let mut derivative = [[0.0; 4]; 4];
-        for i in 0..N {
-            for j in 0..N {
-                derivative[i][j] = end[i].eps[j] * units[j] / units[i];
-            }
-        }
-        image.monodromy = Monodromy::new(N, derivative);
-        Some(image)
-    }
-
-    /// Of `x` after one period in plain numbers, with a monodromy matrix from `near`.
-    fn plain(
-        tolerance: f64,
-        params: &RigParams,
-        frequency_hz: f64,
-        x: Section,
-        near: Monodromy,
-    ) -> Option<Self> {
-        let (mut image, _) = Self::from(tolerance, params, frequency_hz, x, 1)?;
-        image.monodromy = near;
+        image.monodromy = Monodromy::of_seeds(end, image.units);
         Some(image)
     }
 
@@ -404,11 +373,6 @@ impl ReturnMapImage {
     /// How far the image is from `x`, in units of A0 and A0 Ω.
     pub(crate) fn miss(&self, x: Section) -> Section {
         [0, 1, 2, 3].map(|i| (self.end[i] - x[i]) / self.units[i])
-    }
-
-    /// The derivative in units of A0 and A0 Ω.
-    pub(crate) fn monodromy(&self) -> &Monodromy {
-        &self.monodromy
     }
 
     /// The orbit, if `x` is a fixed point. `None` without contact.

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::Section;
+use crate::dual::Dual;
 
 /// The two leading multipliers of an orbit: those of the largest modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +31,32 @@ pub struct Monodromy {
     rows: [[f64; 4]; 4],
 }
 
+/// The section point `x` with derivatives along its first `N` directions.
+pub(crate) fn seeds<const N: usize>(x: Section) -> [Dual<N>; 4] {
+    [0, 1, 2, 3].map(|i| {
+        if i < N {
+            Dual::variable(x[i], i)
+        } else {
+            Dual::constant(x[i])
+        }
+    })
+}
+
 impl Monodromy {
     /// The first `size` (2 or 4) rows and columns of `rows`.
     pub(crate) fn new(size: usize, rows: [[f64; 4]; 4]) -> Self {
         Self { size, rows }
+    }
+
+    /// Of a motion from [`seeds`] to `end`, in `units`.
+    pub(crate) fn of_seeds<const N: usize>(end: [Dual<N>; 4], units: Section) -> Self {
+        let mut rows = [[0.0; 4]; 4];
+        for i in 0..N {
+            for j in 0..N {
+                rows[i][j] = end[i].eps[j] * units[j] / units[i];
+            }
+        }
+        Self::new(N, rows)
     }
 
     /// How many rows and columns it has.

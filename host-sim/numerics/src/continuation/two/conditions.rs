@@ -94,7 +94,7 @@ impl System {
         let section = self.section(x);
         let image = ReturnMapImage::of(&params, hz, section, self.periods)?;
         let mut miss = image.miss(section)[..n - 2].to_vec();
-        let monodromy = image.monodromy();
+        let monodromy = image.monodromy;
         miss.push(match self.condition {
             Condition::Fold => monodromy.fold_test(),
             _ => monodromy.doubling_test(),

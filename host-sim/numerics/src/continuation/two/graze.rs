@@ -11,9 +11,8 @@ use shared::model::rig::Rig;
 
 use super::conditions::OrbitConditions;
 use crate::continuation::march::ContactMargins;
-use crate::dual::Dual;
 use crate::flow::Scalar;
-use crate::orbit::{Monodromy, OrbitWatch, Section};
+use crate::orbit::{Monodromy, OrbitWatch, Section, seeds};
 use crate::reference::{LocatedContact, Reference, TrajectoryObserver};
 
 /// The flights from and to the touch in which no other contact is near, drive periods.
@@ -168,24 +167,11 @@ impl Graze {
     fn found_along<const N: usize>(&self) -> Option<OrbitConditions> {
         let rig = self.rig()?;
         let start = self.start(&rig);
-        let variables = [0, 1, 2, 3].map(|i| {
-            if i < N {
-                Dual::<N>::variable(start[i], i)
-            } else {
-                Dual::constant(start[i])
-            }
-        });
         let mut seen = OrbitWatch::default();
-        let end = self.around(variables, &mut seen)?;
+        let end = self.around(seeds::<N>(start), &mut seen)?;
         let rate = std::f64::consts::TAU * self.frequency_hz;
         let (scale, metre) = (rig.coordinate_scale(), rig.amplitude());
         let units = [scale, scale * rate, metre, metre * rate];
-        let mut derivative = [[0.0; 4]; 4];
-        for i in 0..N {
-            for j in 0..N {
-                derivative[i][j] = end[i].eps[j] * units[j] / units[i];
-            }
-        }
         let period_s = f64::from(self.periods) / self.frequency_hz;
         let hz = self.frequency_hz;
         // Times from the drive phase 0 before the touch.
@@ -197,7 +183,7 @@ impl Graze {
             section: self.section(&rig)?,
             impacts: seen.contacts.len() as u16,
             force_n: (seen.contacts.iter()).fold(0.0, |most, c| most.max(c.peak_force_n)),
-            monodromy: Monodromy::new(N, derivative),
+            monodromy: Monodromy::of_seeds(end, units),
             onsets: (seen.contacts.iter()).map(|c| c.onset_s * hz).collect(),
             margins: ContactMargins::new(&seen, period_s),
             flights: Some(seen.contacts),

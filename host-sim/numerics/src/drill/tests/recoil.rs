@@ -8,7 +8,7 @@ use super::{at, rock};
 use crate::drill::blow::Feed;
 use crate::drill::march::Drill;
 use crate::drill::orbit;
-use crate::orbit::{shoot_at, shoot_periods};
+use crate::orbit::{shoot, shoot_at};
 
 fn recoiling(params: RigParams) -> RigParams {
     RigParams {
@@ -40,7 +40,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
             cart: CartDrive::Prescribed,
             ..params
         };
-        let other = shoot_periods(&prescribed, hz, rigid.section, 1).unwrap();
+        let other = shoot(&prescribed, hz, rigid.section).unwrap();
         assert!(rigid.force_n < 0.95 * other.force_n);
     }
 }
