@@ -9,7 +9,7 @@ use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
 use emulator::verdict::{Best, judge_by};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
-use shared::model::params::{BEAM_150, WIRES};
+use shared::model::params::BEAM_150;
 
 use crate::support::TICK_S;
 
