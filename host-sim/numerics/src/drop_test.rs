@@ -10,9 +10,10 @@ use shared::model::params::RigParams;
 use shared::model::rig::{Rig, SwitchMode};
 
 use crate::contact_law::undriven::{Course, MotionPiece, Track, Undriven};
-use crate::error::{DropTestError, Error};
+use crate::error::{DropTestError, Error, within};
 use crate::low_pass::{self, LowPass};
 use crate::noise::Noise;
+use crate::row::tidy;
 
 /// A force channel's converter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,6 +152,43 @@ impl Default for DropTest {
     }
 }
 
+impl DropTest {
+    /// Refuses what no drop test and no sensor has.
+    ///
+    /// # Errors
+    /// If a number is out of its range.
+    pub fn check(&self) -> Result<(), Error> {
+        within([
+            ("impacts", self.impacts as f64, 1.0, 100.0),
+            ("release-mm", tidy(self.release_m * 1e3), -1000.0, 1000.0),
+            ("sampling-hz", self.sampling_hz, 100.0, 10e6),
+            ("noise-n", self.noise_n, 0.0, 1e6),
+            ("ringing", self.ringing_share, 0.0, 10.0),
+            ("ringing-hz", self.ringing_hz, 1.0, 1e6),
+            (
+                "ringing-decay-ms",
+                tidy(self.ringing_decay_s * 1e3),
+                1e-3,
+                1e4,
+            ),
+            ("bits", f64::from(self.bits), 0.0, 24.0),
+            ("full-scale-n", self.full_scale_n, 1e-6, 1e9),
+            ("force-gain-percent", self.force_gain_percent, -90.0, 900.0),
+            ("offset-n", self.offset_n, -1e6, 1e6),
+            ("drift-n-per-s", self.drift_n_per_s, -1e6, 1e6),
+            ("filter-hz", self.filter_hz, 0.0, 1e6),
+            ("step-n", self.step_n, 0.0, 1e6),
+            ("clock-fast-percent", self.clock_fast_percent, -50.0, 50.0),
+            (
+                "displacement-gain-percent",
+                self.displacement_gain_percent,
+                -90.0,
+                900.0,
+            ),
+        ])
+    }
+}
+
 /// One sample of the record of a drop test.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DropSample {
@@ -231,8 +269,9 @@ fn released(params: &RigParams, rig: &Rig<f64>, release_m: f64) -> Result<Undriv
 /// The record.
 ///
 /// # Errors
-/// If a parameter is out of range, or the hammer never reaches the surface.
+/// As [`DropTest::check`]; also if a parameter is out of range, or the hammer never reaches the surface.
 pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<DropSample>, Error> {
+    test.check()?;
     let rig = Rig::<f64>::new(params)?;
     let courses = impacts(params, &rig, test.release_m, test.impacts)?;
     let Some(last) = courses.last() else {

@@ -47,8 +47,38 @@ pub enum Error {
     /// The motion cannot be followed.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// A number of a request is out of its range.
+    #[error("--{option} is {value}, must be from {low} to {high}")]
+    OutOfRange {
+        /// The command line's option for it.
+        option: &'static str,
+        /// What it is.
+        value: f64,
+        /// The least it can be.
+        low: f64,
+        /// The most it can be.
+        high: f64,
+    },
+    /// More random samples than there can be.
+    #[error("--samples is {samples}, must be at most {most}")]
+    Samples {
+        /// How many were asked for.
+        samples: u32,
+        /// The most there can be.
+        most: u32,
+    },
+    /// No cycle of a run would be recorded.
+    #[error(
+        "--transient {transient} leaves nothing of the {cycles} drive cycles of a run to record; give --cycles more than {transient}, or a smaller --transient"
+    )]
+    NothingLeft {
+        /// How many of the first are not recorded.
+        transient: u32,
+        /// How many are run.
+        cycles: u32,
+    },
     /// A drive phase at which a section is taken, turns, is not from 0 to below 1.
-    #[error("the drive phase {0} is not from 0 to below 1 turn")]
+    #[error("--phase is {0}, must be from 0 to below 1 turn")]
     SectionPhase(f64),
     /// The drive phases of the sections do not rise.
     #[error("the drive phases of the sections must rise, each given once")]
@@ -133,6 +163,31 @@ pub enum Error {
         /// Why there is no operating point.
         what: PickError,
     },
+}
+
+/// Refuses the first of the numbers (its option, its value, the least and the most) that is out of its range.
+pub(crate) fn within<const N: usize>(
+    numbers: [(&'static str, f64, f64, f64); N],
+) -> Result<(), Error> {
+    let wrong = numbers
+        .into_iter()
+        .find(|(_, value, low, high)| !(low..=high).contains(&value));
+    wrong.map_or(Ok(()), |(option, value, low, high)| {
+        Err(Error::OutOfRange {
+            option,
+            value,
+            low,
+            high,
+        })
+    })
+}
+
+/// Refuses more samples than `most`.
+pub(crate) fn within_samples(samples: u32, most: u32) -> Result<(), Error> {
+    match samples > most {
+        true => Err(Error::Samples { samples, most }),
+        false => Ok(()),
+    }
 }
 
 /// Why a run cannot begin.

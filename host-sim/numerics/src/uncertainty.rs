@@ -4,6 +4,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::error::{Error, within_samples};
+
 mod member;
 #[cfg(test)]
 mod tests;
@@ -67,6 +69,16 @@ pub struct Stated {
     pub shaker_loop_percent: Option<f64>,
     /// Damping ratio of the shaker's position loop, % either way (a cart that recoils).
     pub shaker_damping_percent: Option<f64>,
+}
+
+impl Uncertainty {
+    /// Refuses more samples than a pick can take.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub fn check(&self) -> Result<(), Error> {
+        within_samples(self.samples, 100_000)
+    }
 }
 
 impl Stated {

@@ -161,17 +161,11 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     let recorded = args.recorded.unwrap_or(usual_recorded(args.cycles));
-    if recorded == 0 || recorded > args.cycles {
-        return Err(UserError::new(format!(
-            "--recorded is {recorded}, must be from 1 to the {} drive cycles of a run (--cycles)",
-            args.cycles
-        )));
-    }
     let given = args.rig.gaps_mm()?;
     let mut gaps_mm = given.unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
-    Ok(DiagramRequest {
+    let request = DiagramRequest {
         gaps_mm,
         frequencies_hz,
         directions: match args.direction {
@@ -189,7 +183,9 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
         },
         locate: true,
         rig,
-    })
+    };
+    request.check()?;
+    Ok(request)
 }
 
 fn change_rows(found: &DiagramAnswer) -> impl Iterator<Item = ChangeRow> {

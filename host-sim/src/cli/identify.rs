@@ -241,22 +241,17 @@ pub fn release_mm(given: Option<f64>, signal: &Signal) -> Result<f64, UserError>
 }
 
 fn settings(args: &Args, signal: &Signal) -> Result<SearchSettings, UserError> {
-    let impacts = within("--impacts", args.impacts, 1, 50)?;
-    let release_mm = release_mm(args.release_mm, signal)?;
-    Ok(SearchSettings {
-        release_m: release_mm * 1e-3,
+    let settings = SearchSettings {
+        release_m: release_mm(args.release_mm, signal)? * 1e-3,
         seek_release: args.seek_release,
         seek_exponent: args.seek_exponent,
-        impacts,
-        gain_percent: within("--gain-percent", args.gain_percent, 0.0, 100.0)?,
-        release_height_percent: within(
-            "--release-height-percent",
-            args.release_height_percent,
-            0.0,
-            50.0,
-        )?,
-        clock_percent: within("--clock-percent", args.clock_percent, 0.0, 50.0)?,
-    })
+        impacts: args.impacts,
+        gain_percent: args.gain_percent,
+        release_height_percent: args.release_height_percent,
+        clock_percent: args.clock_percent,
+    };
+    settings.check()?;
+    Ok(settings)
 }
 
 fn rows(fits: &[IdentifiedFit]) -> Vec<Row> {

@@ -92,17 +92,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequency_hz = args.drive.needed_hz(natural)?;
-    let points = within("--points", args.points, 1, 10_000_000)?;
     let mut phases = if args.phase.is_empty() {
         vec![0.0]
     } else {
         args.phase.clone()
     };
-    if let Some(bad) = phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
-        return Err(UserError::new(format!(
-            "--phase is {bad}, must be from 0 to below 1 turn"
-        )));
-    }
     phases.sort_by(f64::total_cmp);
     phases.dedup();
     if args.against.is_some() && phases != [0.0] {
@@ -110,14 +104,16 @@ fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
             "--against compares sections at drive phase 0; leave --phase out",
         ));
     }
-    Ok(SectionRequest {
+    let request = SectionRequest {
         params: rig.params,
         frequency_hz,
         start: args.initial,
         phases,
         transient: args.transient,
-        points,
-    })
+        points: args.points,
+    };
+    request.check()?;
+    Ok(request)
 }
 
 fn run_section(

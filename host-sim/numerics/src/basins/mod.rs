@@ -17,7 +17,7 @@ mod tests;
 use serde::Serialize;
 
 use crate::engine::Engine;
-use crate::error::{BasinsError, Error, StartError};
+use crate::error::{BasinsError, Error, StartError, within_samples};
 use crate::progress::Progress;
 use crate::row::NamedRig;
 pub use attractors::{Attractor, AttractorKind, AttractorName};
@@ -78,7 +78,7 @@ impl BasinsRequest {
     /// Refuses what cannot be asked, before anything runs.
     ///
     /// # Errors
-    /// If the window, the number of cells, the phase or the cycles are out of range.
+    /// If the window, the number of cells, the phase, the cycles or the samples are out of range.
     pub fn check(&self) -> Result<(), Error> {
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
         for (side, [from, to]) in [("displacement", x), ("velocity", v)] {
@@ -105,9 +105,12 @@ impl BasinsRequest {
         if until < cycles {
             return Err(BasinsError::Until { until, cycles }.into());
         }
-        Ok(())
+        within_samples(self.samples, MOST_SAMPLES)
     }
 }
+
+/// Random starts at most.
+const MOST_SAMPLES: u32 = 1_000_000;
 
 /// Cells of a grid at most: what is kept of each is held in memory.
 const MOST_CELLS: usize = 4_000_000;

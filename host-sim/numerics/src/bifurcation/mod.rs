@@ -14,7 +14,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::engine::Engine;
-use crate::error::Error;
+use crate::error::{Error, MapError};
 use crate::lanes::{self, Cell, CellOutcome, CellPlan, LaneStrobe};
 use crate::progress::{Progress, check, step};
 use crate::row::CartModel;
@@ -114,6 +114,20 @@ pub struct DiagramRequest {
 }
 
 impl DiagramRequest {
+    /// Refuses what cannot be run, before any work.
+    ///
+    /// # Errors
+    /// If no cycle would be recorded, or more than are run.
+    pub fn check(&self) -> Result<(), Error> {
+        let CellPlan {
+            cycles, recorded, ..
+        } = self.plan;
+        match (1..=cycles).contains(&recorded) {
+            true => Ok(()),
+            false => Err(MapError::Recorded { recorded, cycles }.into()),
+        }
+    }
+
     /// Simulations in all, location apart.
     pub fn simulations(&self) -> u64 {
         (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64

@@ -1,5 +1,6 @@
 //! Every curve of orbits that simulation at some frequencies (or gaps) finds, and the doubled ones they lead to.
 
+use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
@@ -9,7 +10,7 @@ use super::march::both_ways;
 use super::switching::doubled;
 use super::{CurveEnd, Special, Until, march};
 use crate::engine::Start;
-use crate::error::Error;
+use crate::error::{Error, within};
 use crate::lanes::{self, Cell, CellPlan};
 use crate::orbit::{Stability, on_course};
 use crate::progress::{Progress, check, step};
@@ -32,6 +33,24 @@ pub struct OrbitsRequest {
 }
 
 impl OrbitsRequest {
+    /// Refuses a search that would be too long, or for orbits too intricate to find.
+    ///
+    /// # Errors
+    /// If a number is out of its range.
+    pub fn check(&self) -> Result<(), Error> {
+        within([
+            ("periods", f64::from(self.periods), 1.0, 8.0),
+            ("impacts", f64::from(self.impacts), 1.0, 16.0),
+            ("starts", self.starts as f64, 1.0, 2000.0),
+        ])
+    }
+
+    /// Checks where nobody says how many: forty times the starts; twice with a nonlinear law, whose simulations take longer.
+    pub fn usual_checks(params: &RigParams, starts: usize) -> usize {
+        let fast = matches!(params.contact, Law::SpringDashpot { .. });
+        starts * if fast { 40 } else { 2 }
+    }
+
     /// Simulations that search for orbits: the steps of progress that [`diagram`] reports.
     pub fn simulations(&self) -> u64 {
         (STARTS * (self.starts + self.checks)) as u64

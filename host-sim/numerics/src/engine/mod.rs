@@ -13,7 +13,7 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
-use crate::error::{Error, MotionError, StartError};
+use crate::error::{Error, MapError, MotionError, StartError};
 use crate::lanes::strobes;
 use crate::reference::LocatedContact;
 pub use recorder::{CycleRecorder, RecordedSample};
@@ -158,6 +158,20 @@ pub struct Plan {
     pub cycles: u32,
     /// How many of the first are not recorded.
     pub transient: u32,
+}
+
+impl Plan {
+    /// A plan that records something.
+    ///
+    /// # Errors
+    /// If no cycle is left to record.
+    pub fn new(cycles: u32, transient: u32) -> Result<Self, Error> {
+        match cycles {
+            0 => Err(MapError::NoCycles.into()),
+            _ if transient >= cycles => Err(Error::NothingLeft { transient, cycles }),
+            _ => Ok(Self { cycles, transient }),
+        }
+    }
 }
 
 /// What the recorded cycles of a run showed.

@@ -23,7 +23,7 @@ use serde::Serialize;
 use shared::model::contact::{Law, LawKind};
 use shared::model::params::RigParams;
 
-use crate::error::{Error, RecordError};
+use crate::error::{Error, RecordError, within};
 use crate::signal::Signal;
 pub use contacts::{Impact, MeasuredImpacts};
 pub use profile::{Profile, ProfileEstimate};
@@ -84,6 +84,24 @@ impl SearchSettings {
         release_height_percent: 1.0,
         clock_percent: 0.02,
     };
+
+    /// Refuses what a fit of a few impacts cannot take as known.
+    ///
+    /// # Errors
+    /// If a number is out of its range.
+    pub fn check(&self) -> Result<(), Error> {
+        within([
+            ("impacts", self.impacts as f64, 1.0, 50.0),
+            ("gain-percent", self.gain_percent, 0.0, 100.0),
+            (
+                "release-height-percent",
+                self.release_height_percent,
+                0.0,
+                50.0,
+            ),
+            ("clock-percent", self.clock_percent, 0.0, 50.0),
+        ])
+    }
 }
 
 impl Default for SearchSettings {

@@ -13,7 +13,7 @@ use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
 use crate::engine::{self, CycleRecorder, RecordedSample, Start, event, observe};
-use crate::error::{Error, MotionError};
+use crate::error::{Error, MotionError, within};
 use crate::lanes::strobes;
 use crate::progress::{Progress, check, step};
 use crate::reference::{Reference, Segment, TrajectoryObserver};
@@ -34,6 +34,24 @@ pub struct SectionRequest {
     pub transient: u32,
     /// Points of each section.
     pub points: u32,
+}
+
+impl SectionRequest {
+    /// Refuses what cannot be computed, before anything runs.
+    ///
+    /// # Errors
+    /// If frequency, phases or points are out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        engine::check_frequency(self.frequency_hz, &self.params)?;
+        within([("points", f64::from(self.points), 1.0, 1e7)])?;
+        if let Some(bad) = self.phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
+            return Err(Error::SectionPhase(*bad));
+        }
+        match self.phases.is_sorted_by(|one, next| one < next) {
+            true => Ok(()),
+            false => Err(Error::SectionPhaseOrder),
+        }
+    }
 }
 
 /// A point of a section.
@@ -121,8 +139,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         frequency_hz,
         ..
     } = request;
-    engine::check_frequency(*frequency_hz, params)?;
-    check_phases(&request.phases)?;
+    request.check()?;
     let rig = Rig::<f64>::new(params)?;
     let omega = TAU * frequency_hz;
     let [q, v] = request.start.section(&rig, omega)?;
@@ -193,18 +210,6 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         steps_per_period: (hammer.steps() - steps) as f64 / f64::from(request.points),
         end,
     })
-}
-
-fn check_phases(phases: &[f64]) -> Result<(), Error> {
-    for pair in phases.windows(2) {
-        if pair[0] >= pair[1] {
-            return Err(Error::SectionPhaseOrder);
-        }
-    }
-    match phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
-        Some(phase) => Err(Error::SectionPhase(*phase)),
-        None => Ok(()),
-    }
 }
 
 /// Samples of a few periods from `section` on, with the cart `deviation` off its course.

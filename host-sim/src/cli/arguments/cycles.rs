@@ -24,23 +24,10 @@ impl CycleArgs {
     /// If no cycle is left to record.
     pub fn plan(self) -> Result<Plan, UserError> {
         let cycles = self.cycles;
-        if cycles == 0 {
-            return Err(UserError::new("--cycles is 0, must be at least 1"));
-        }
         let usual = (cycles - cycles.div_ceil(5)).min(480);
         let transient = self.transient.unwrap_or(usual);
-        if transient >= cycles {
-            return Err(nothing_left(transient, cycles));
-        }
-        Ok(Plan { cycles, transient })
+        Ok(Plan::new(cycles, transient)?)
     }
-}
-
-/// The error of a `--transient` that is no shorter than a run, whether or not `--cycles` was given.
-pub fn nothing_left(transient: u32, cycles: u32) -> UserError {
-    UserError::new(format!(
-        "--transient {transient} leaves nothing of the {cycles} drive cycles of a run to record; give --cycles more than {transient}, or a smaller --transient"
-    ))
 }
 
 /// How many of the last of `cycles` are recorded where that is left open: 100, of fewer than 200 half.

@@ -6,9 +6,6 @@ use files::rigfile::WIDTHS;
 use numerics::NamedRig;
 use numerics::uncertainty::{Stated, Uncertainty};
 
-/// Random rigs at most.
-const MOST_SAMPLES: u32 = 100_000;
-
 /// How well the rig is known.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Uncertainty (an option comes before the rig file's [uncertainty])")]
@@ -97,12 +94,12 @@ impl UncertaintyArgs {
         let stated = self.given()?.or(&rig.stated);
         let recoils = rig.params.cart.recoils();
         let whole = stated.complete(self.samples, self.seed, recoils);
+        whole.check()?;
         Ok((!self.nominal).then_some(whole))
     }
 
     /// What the options say.
     fn given(&self) -> Result<Stated, UserError> {
-        at_most("--samples", self.samples, MOST_SAMPLES)?;
         let options = [
             self.natural_frequency_percent,
             self.amplitude_percent,

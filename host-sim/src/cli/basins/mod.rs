@@ -97,7 +97,6 @@ struct Found {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let engine = args.engine.engine(&args.output)?;
-    at_most("--samples", args.samples, 1_000_000)?;
     let queries = queries(args)?;
     // The chapter's points name their figures.
     let mut rigs: Vec<&NamedRig> = Vec::new();

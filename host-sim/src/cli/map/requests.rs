@@ -3,11 +3,11 @@
 use clap::ValueEnum;
 
 use super::Args;
-use crate::cli::arguments::cycles::{nothing_left, usual_recorded};
+use crate::cli::arguments::cycles::usual_recorded;
 use crate::cli::arguments::rig::at_gap;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::engine::{Engine, Method, Precision, Setting};
+use numerics::engine::{Engine, Method, Plan, Precision, Setting};
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use numerics::map::{Grid, MapRequest, Runner};
@@ -84,8 +84,10 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
 fn recorded(args: &Args) -> Result<u32, UserError> {
     match (args.recorded, args.transient) {
         (Some(recorded), _) => Ok(recorded),
-        (None, Some(transient)) if transient < args.cycles => Ok(args.cycles - transient),
-        (None, Some(transient)) => Err(nothing_left(transient, args.cycles)),
+        (None, Some(transient)) => {
+            Plan::new(args.cycles, transient)?;
+            Ok(args.cycles - transient)
+        }
         (None, None) => Ok(usual_recorded(args.cycles)),
     }
 }

@@ -19,7 +19,6 @@ use numerics::continuation::table::{BranchRow, OrbitsAnswer, SpecialRow};
 use numerics::continuation::{Along, CurveEnd, OrbitsRequest, diagram};
 use numerics::orbit::Stability;
 use plot::chart::Chart;
-use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum OrbitsAxis {
@@ -187,11 +186,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
         impacts: args.impacts,
         starts: usize::from(args.starts),
         checks: args.checks.map_or_else(
-            || {
-                let law = &rig.params.contact;
-                let fast = matches!(law, Law::SpringDashpot { .. });
-                usize::from(args.starts) * if fast { 40 } else { 2 }
-            },
+            || OrbitsRequest::usual_checks(&rig.params, usize::from(args.starts)),
             usize::from,
         ),
     })
