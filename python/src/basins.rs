@@ -3,79 +3,55 @@
 use numerics::basins::{Basins, BasinsRequest, StartWindow, cells, explore};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::arguments;
+use crate::arguments::Keywords;
 use crate::error::{from_numerics, wrong};
-use crate::rig::PythonRig;
-use crate::values::record;
-use crate::work::How;
+use crate::values::{fields, record};
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, grid, displacement_mm, velocity_m_per_s, phase, cycles, recorded, samples, seed, until, engine, precision, tick_us, threads, progress))]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "each is a keyword of the Python function"
-)]
-pub fn basins<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    ratio: Option<f64>,
-    frequency_hz: Option<f64>,
-    gap_mm: Option<f64>,
-    cart: Option<&str>,
-    grid: (usize, usize),
-    displacement_mm: Option<[f64; 2]>,
-    velocity_m_per_s: Option<[f64; 2]>,
-    phase: f64,
-    cycles: u32,
-    recorded: u32,
-    samples: u32,
-    seed: u64,
-    until: Option<u32>,
-    engine: &str,
-    precision: Option<&str>,
-    tick_us: Option<f64>,
-    threads: Option<usize>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    const MOST_SAMPLES: u32 = 1_000_000;
-    if samples > MOST_SAMPLES {
-        return Err(wrong(format!(
-            "samples is {samples}, must be at most {MOST_SAMPLES}"
-        )));
-    }
-    let rig = arguments::at(rig, gap_mm, cart)?;
-    let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
-    let engine = arguments::engine(engine, precision, tick_us)?;
-    let (columns, rows) = grid;
+pub fn basins(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let rig = asked.rig_at_gap()?;
+    let hz = asked.one_frequency(&rig)?;
+    let engine = asked.engine()?;
+    let grid: Bound<'_, PyAny> = asked.take("grid")?;
+    let (columns, rows) = match grid.extract() {
+        Ok(both) => (both, both),
+        Err(_) => grid.extract().map_err(|_| {
+            wrong(format!(
+                "grid is {grid}, must be a number of starts, or one for each side"
+            ))
+        })?,
+    };
     let mut window = StartWindow::usual(&rig.params, columns, rows);
-    if let Some(ends) = displacement_mm {
+    if let Some(ends) = asked.take::<Option<[f64; 2]>>("displacement_mm")? {
         window.displacement_m = ends.map(|mm| mm * 1e-3);
     }
-    if let Some(ends) = velocity_m_per_s {
+    if let Some(ends) = asked.take("velocity_m_per_s")? {
         window.velocity_m_per_s = ends;
     }
+    let cycles: u32 = asked.take("cycles")?;
+    let until: Option<u32> = asked.take("until")?;
     let query = BasinsRequest {
+        rig,
+        frequency_hz: hz,
         window,
-        phase,
+        phase: asked.take("phase")?,
         cycles,
-        recorded,
-        samples,
-        seed,
+        recorded: asked.take("recorded")?,
+        samples: asked.take("samples")?,
+        seed: asked.take("seed")?,
         until: until.unwrap_or(cycles.max(1000)),
-        ..BasinsRequest::usual(rig, hz, columns, rows)
     };
     query.check().map_err(from_numerics)?;
-    let how = How { threads, progress };
-    let found = how.run(py, query.runs(), |watch| explore(engine, &query, watch))?;
+    let found = asked.run(query.runs(), |watch| explore(engine, &query, watch))?;
     arrays(py, &found)
 }
 
 /// The grid's layers, rows by rising velocity, within a row by rising displacement; and the summary.
-fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyDict>> {
+fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyAny>> {
     let rows = cells::rows(basins);
-    let found = record(py, &basins.summary())?;
+    let found = fields(py, &basins.summary())?;
     let window = &basins.query.window;
     let x = rows.iter().take(window.columns).map(|r| r.displacement_mm);
     let x: Vec<f64> = x.collect();
@@ -109,5 +85,5 @@ fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyDict>>
     found.set_item("settled_after_cycles", settled.into_pyarray(py))?;
     let last: Vec<f64> = rows.iter().map(|r| known(r.last_contact_cycle)).collect();
     found.set_item("last_contact_cycle", last.into_pyarray(py))?;
-    Ok(found)
+    record(found)
 }

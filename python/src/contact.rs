@@ -10,21 +10,16 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use shared::model::contact::{LAWS, LawKind};
 
-use crate::arguments;
-use crate::error::wrong;
-use crate::rig::PythonRig;
-use crate::values::{columns, object, record};
-use crate::work::How;
+use crate::arguments::{Keywords, choice, rising};
+use crate::error::{from_numerics, wrong};
+use crate::values::{fields, object, record, table};
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, speed_m_per_s, law))]
-pub fn contact<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    speed_m_per_s: Vec<f64>,
-    law: &str,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn contact(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     const FASTEST: f64 = 100.0;
+    let py = asked.py();
+    let usual = || (0..15).map(|i| 0.02 + f64::from(i) * 0.02).collect();
+    let speed_m_per_s = asked.numbers("speed_m_per_s")?.unwrap_or_else(usual);
     if speed_m_per_s.is_empty() {
         return Err(wrong("speed_m_per_s is empty, must have a value"));
     }
@@ -36,165 +31,68 @@ pub fn contact<'py>(
             "speed_m_per_s has {v}, must be above 0 and up to {FASTEST}"
         )));
     }
-    let params = rig.named.params;
+    let params = asked.rig_as_given()?.params;
     let own = params.contact;
-    let laws = match law {
+    let laws = match asked.take::<String>("law")?.as_str() {
         "all" => all_laws(own),
         "own" => vec![(own.kind().name(), own)],
-        other => return Err(arguments::choice("law", other, &["all", "own"])),
+        other => return Err(choice("law", other, &["all", "own"])),
     };
-    let how = How {
-        threads: None,
-        progress: None,
-    };
-    let all = how.run(py, 1, |_| {
+    let all = asked.run(1, |_| {
         let each = laws
             .iter()
             .map(|(name, law)| rows(name, *law, params.mass_kg, &speed_m_per_s));
         Ok(each.collect::<Result<Vec<_>, _>>()?.concat())
     })?;
-    columns(py, &all)
+    table(py, &all)
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, gap_mm, release_mm, impacts, sampling_hz, noise_n, ringing, bits, full_scale_n, force_gain_percent, offset_n, drift_n_per_s, filter_hz, displacement_gain_percent, seed))]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "each is a keyword of the Python function"
-)]
-pub fn drop<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    gap_mm: Option<f64>,
-    release_mm: f64,
-    impacts: usize,
-    sampling_hz: f64,
-    noise_n: f64,
-    ringing: f64,
-    bits: u32,
-    full_scale_n: f64,
-    force_gain_percent: f64,
-    offset_n: f64,
-    drift_n_per_s: f64,
-    filter_hz: f64,
-    displacement_gain_percent: f64,
-    seed: u64,
-) -> PyResult<Bound<'py, PyDict>> {
-    for (argument, value, low, high) in [
-        ("release_mm", release_mm, -1000.0, 1000.0),
-        ("impacts", impacts as f64, 1.0, 100.0),
-        ("sampling_hz", sampling_hz, 100.0, 10e6),
-        ("noise_n", noise_n, 0.0, 1e6),
-        ("ringing", ringing, 0.0, 10.0),
-        ("bits", f64::from(bits), 0.0, 24.0),
-        ("full_scale_n", full_scale_n, 1e-6, 1e9),
-        ("force_gain_percent", force_gain_percent, -90.0, 900.0),
-        ("offset_n", offset_n, -1e6, 1e6),
-        ("drift_n_per_s", drift_n_per_s, -1e6, 1e6),
-        ("filter_hz", filter_hz, 0.0, 1e6),
-        (
-            "displacement_gain_percent",
-            displacement_gain_percent,
-            -90.0,
-            900.0,
-        ),
-    ] {
-        if !(value >= low && value <= high) {
-            return Err(wrong(format!(
-                "{argument} is {value}, must be from {low} to {high}"
-            )));
-        }
-    }
-    let rig = arguments::at(rig, gap_mm, None)?;
+pub fn drop(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let rig = asked.rig_at_gap()?;
+    let release_mm: f64 = asked.take("release_mm")?;
     let test = DropTest {
         release_m: release_mm * 1e-3,
-        impacts,
-        sampling_hz,
-        noise_n,
-        ringing_share: ringing,
-        bits,
-        full_scale_n,
-        force_gain_percent,
-        offset_n,
-        drift_n_per_s,
-        filter_hz,
-        displacement_gain_percent,
-        seed,
+        impacts: asked.take("impacts")?,
+        sampling_hz: asked.take("sampling_hz")?,
+        noise_n: asked.take("noise_n")?,
+        ringing_share: asked.take("ringing")?,
+        bits: asked.take("bits")?,
+        full_scale_n: asked.take("full_scale_n")?,
+        force_gain_percent: asked.take("force_gain_percent")?,
+        offset_n: asked.take("offset_n")?,
+        drift_n_per_s: asked.take("drift_n_per_s")?,
+        filter_hz: asked.take("filter_hz")?,
+        displacement_gain_percent: asked.take("displacement_gain_percent")?,
+        seed: asked.take("seed")?,
         ..DropTest::default()
     };
-    let how = How {
-        threads: None,
-        progress: None,
-    };
-    let all = how.run(py, 1, |_| record_of(&rig.params, &test))?;
-    columns(py, &all)
+    let all = asked.run(1, |_| record_of(&rig.params, &test))?;
+    table(py, &all)
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, time_s, force_n, displacement_mm, gap_mm, laws, misfits, release_mm, seek_release, seek_exponent, impacts, gain_percent, release_height_percent, clock_percent, threads, progress))]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "each is a keyword of the Python function"
-)]
-pub fn identify<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    time_s: Vec<f64>,
-    force_n: Vec<f64>,
-    displacement_mm: Option<Vec<f64>>,
-    gap_mm: Option<f64>,
-    laws: Vec<String>,
-    misfits: Vec<String>,
-    release_mm: Option<f64>,
-    seek_release: bool,
-    seek_exponent: bool,
-    impacts: usize,
-    gain_percent: f64,
-    release_height_percent: f64,
-    clock_percent: f64,
-    threads: Option<usize>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let families = chosen(
-        "law",
-        &laws,
-        &LAWS.map(|(_, law)| law.kind()),
-        LawKind::name,
-    )?;
-    let misfits = chosen(
-        "misfit",
-        &misfits,
-        &[Misfit::Force, Misfit::Peaks],
-        Misfit::name,
-    )?;
-    if !(1..=50).contains(&impacts) {
-        return Err(wrong(format!("impacts is {impacts}, must be from 1 to 50")));
-    }
-    for (argument, value, high) in [
-        ("gain_percent", gain_percent, 100.0),
-        ("release_height_percent", release_height_percent, 50.0),
-        ("clock_percent", clock_percent, 50.0),
-    ] {
-        if !(0.0..=high).contains(&value) {
-            return Err(wrong(format!(
-                "{argument} is {value}, must be from 0 to {high}"
-            )));
-        }
-    }
-    let signal = signal(time_s, force_n, displacement_mm)?;
-    let rig = arguments::at(rig, gap_mm, None)?;
+pub fn identify(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let laws = LAWS.map(|(_, law)| law.kind());
+    let families = chosen(&asked, "law", &laws, LawKind::name)?;
+    let both = [Misfit::Force, Misfit::Peaks];
+    let misfits = chosen(&asked, "misfit", &both, Misfit::name)?;
+    let signal = signal(&asked)?;
+    let rig = asked.rig_at_gap()?;
     let settings = SearchSettings {
-        release_m: release(release_mm, &signal)? * 1e-3,
-        seek_release,
-        seek_exponent,
-        impacts,
-        gain_percent,
-        release_height_percent,
-        clock_percent,
+        release_m: release(asked.take("release_mm")?, &signal)? * 1e-3,
+        seek_release: asked.take("seek_release")?,
+        seek_exponent: asked.take("seek_exponent")?,
+        impacts: asked.take("impacts")?,
+        gain_percent: asked.take("gain_percent")?,
+        release_height_percent: asked.take("release_height_percent")?,
+        clock_percent: asked.take("clock_percent")?,
     };
-    let how = How { threads, progress };
+    settings.check().map_err(from_numerics)?;
     let searches = families.len() * misfits.len();
-    let (measured, fits) = how.run(py, searches as u64, |watch| {
+    let (measured, fits) = asked.run(searches as u64, |watch| {
         let measured = measure(&signal, &settings)?;
         let mut fits = Vec::with_capacity(searches);
         for family in &families {
@@ -214,9 +112,9 @@ pub fn identify<'py>(
     found.set_item("noise_n", measured.noise_n)?;
     found.set_item("offset_n", measured.offset_n)?;
     found.set_item("drift_n_per_s", measured.drift_n_per_s)?;
-    found.set_item("gain_percent", gain_percent)?;
-    found.set_item("release_height_percent", release_height_percent)?;
-    found.set_item("clock_percent", clock_percent)?;
+    found.set_item("gain_percent", settings.gain_percent)?;
+    found.set_item("release_height_percent", settings.release_height_percent)?;
+    found.set_item("clock_percent", settings.clock_percent)?;
     found.set_item("free_cart_percent", free_cart_percent(&rig.params))?;
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let best: Option<&IdentifiedFit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
@@ -224,36 +122,41 @@ pub fn identify<'py>(
     found.set_item("ring", object(py, &ring)?)?;
     let list = PyList::empty(py);
     for fit in &fits {
-        let one = record(py, &WordedFit::from(fit))?;
-        one.set_item("impacts", columns(py, &fit.impacts)?)?;
+        let one = fields(py, &WordedFit::from(fit))?;
+        one.set_item("impacts", table(py, &fit.impacts)?)?;
         list.append(one)?;
     }
     found.set_item("fits", list)?;
-    Ok(found)
+    record(found)
 }
 
+/// What the names given, one or several, stand for.
 fn chosen<T: Copy>(
+    asked: &Keywords<'_>,
     argument: &str,
-    names: &[String],
     all: &[T],
     name: fn(T) -> &'static str,
 ) -> PyResult<Vec<T>> {
+    let given: Bound<'_, PyAny> = asked.take(argument)?;
+    let names = match given.extract::<String>() {
+        Ok(one) => vec![one],
+        Err(_) => given.extract()?,
+    };
     let one = |given: &String| {
         let found = all.iter().copied().find(|t| name(*t) == given);
         found.ok_or_else(|| {
             let known: Vec<_> = all.iter().map(|t| name(*t)).collect();
-            arguments::choice(argument, given, &known)
+            choice(argument, given, &known)
         })
     };
     names.iter().map(one).collect()
 }
 
 /// The record: columns of one length, times rising, every value a number.
-fn signal(
-    time_s: Vec<f64>,
-    force_n: Vec<f64>,
-    displacement_mm: Option<Vec<f64>>,
-) -> PyResult<Signal> {
+fn signal(asked: &Keywords<'_>) -> PyResult<Signal> {
+    let time_s = asked.numbers("time_s")?.unwrap_or_default();
+    let force_n = asked.numbers("force_n")?.unwrap_or_default();
+    let displacement_mm = asked.numbers("displacement_mm")?;
     let count = time_s.len();
     for (argument, column) in [
         ("force_n", Some(&force_n)),
@@ -278,7 +181,7 @@ fn signal(
             numerics::signal::FEWEST_SAMPLES
         )));
     }
-    arguments::rising("time_s", &time_s)?;
+    rising("time_s", &time_s)?;
     Ok(Signal {
         name: "the record".to_owned(),
         time_s,

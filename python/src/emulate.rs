@@ -7,13 +7,12 @@ use emulator::scenario::{self, BUILTIN};
 use emulator::verdict::judge;
 use numerics::progress::step;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde::Serialize;
 use shared::settings::TICK_RATE_HZ;
 
+use crate::arguments::Keywords;
 use crate::error::{from_user, wrong};
-use crate::values::{columns, record};
-use crate::work::How;
+use crate::values::{fields, record, table};
 
 /// One control tick, as it truly was.
 #[derive(Serialize)]
@@ -78,20 +77,16 @@ impl RunObserver for Watch {
 }
 
 #[pyfunction]
-#[pyo3(signature = (scenario, *, toml, samples_per_second, progress))]
-pub fn emulate<'py>(
-    py: Python<'py>,
-    scenario: String,
-    toml: Option<String>,
-    samples_per_second: u32,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn emulate(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let samples_per_second = asked.take("samples_per_second")?;
     if samples_per_second > TICK_RATE_HZ {
         return Err(wrong(format!(
             "samples_per_second is {samples_per_second}, must be at most {TICK_RATE_HZ}; 0 keeps none"
         )));
     }
-    let scenario = match toml {
+    let scenario: String = asked.take("scenario")?;
+    let scenario = match asked.take::<Option<String>>("toml")? {
         Some(text) => scenario::parse(&scenario, &text, &scenario),
         None => scenario::load(&scenario),
     }
@@ -108,23 +103,19 @@ pub fn emulate<'py>(
         frequency_hz: 0.0,
     };
     let mut run = Run::new(&scenario, &mut control, watch).map_err(from_user)?;
-    let how = How {
-        threads: None,
-        progress,
-    };
     let blocks = scenario.blocks();
-    let (summary, watch) = how.run(py, blocks, |listener| {
+    let (summary, watch) = asked.run(blocks, |listener| {
         for _ in 0..blocks {
             run.block();
             step(listener, 1)?;
         }
         Ok(run.finish())
     })?;
-    let found = record(py, &judge(&scenario, &summary))?;
-    found.set_item("samples", columns(py, &watch.samples)?)?;
-    found.set_item("contact_list", columns(py, &watch.contacts)?)?;
-    found.set_item("timeline", columns(py, &watch.events)?)?;
-    Ok(found)
+    let found = fields(py, &judge(&scenario, &summary))?;
+    found.set_item("samples", table(py, &watch.samples)?)?;
+    found.set_item("contact_list", table(py, &watch.contacts)?)?;
+    found.set_item("timeline", table(py, &watch.events)?)?;
+    record(found)
 }
 
 /// The built-in scenarios: name and description.

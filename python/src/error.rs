@@ -7,7 +7,7 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 
 /// Options of the command line whose arguments are called otherwise here.
-const RENAMED: [(&str, &str); 8] = [
+const RENAMED: [(&str, &str); 9] = [
     ("--gap-tolerance-mm", "gap_tolerance_mm"),
     ("--gap-ratio", "gap_ratio"),
     ("--gap", "gap_mm"),
@@ -15,6 +15,7 @@ const RENAMED: [(&str, &str); 8] = [
     ("--displacement", "displacement_mm"),
     ("--velocity", "velocity_m_per_s"),
     ("--initial", "start"),
+    ("--phase", "phases_turns"),
     ("--engine event", "engine=\"event\""),
 ];
 

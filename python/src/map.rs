@@ -9,89 +9,63 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments;
+use crate::arguments::{Keywords, direction, rising};
 use crate::error::from_numerics;
-use crate::rig::PythonRig;
-use crate::values::object;
-use crate::work::How;
+use crate::values::{object, record};
 
-/// What is asked of a map, as keywords.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct MapKeywords {
-    gap_mm: Option<Vec<f64>>,
-    ratio: Option<Vec<f64>>,
-    frequency_hz: Option<Vec<f64>>,
-    cart: Option<String>,
-    engine: String,
-    precision: Option<String>,
-    tick_us: Option<f64>,
-    direction: String,
-    cycles: u32,
-    recorded: Option<u32>,
-    settle: Option<u32>,
-}
-
-impl MapKeywords {
-    fn request(self, rig: &PythonRig) -> PyResult<MapRequest> {
-        let rig = arguments::at(rig, None, self.cart.as_deref())?;
-        let given = arguments::frequencies(&rig, self.ratio, self.frequency_hz)?;
-        let gaps_mm = match self.gap_mm {
-            None => chapter_gaps_mm(&rig.params),
-            Some(gaps) => {
-                arguments::rising("gap_mm", &gaps)?;
-                gaps.into_iter().map(tidy).collect()
-            }
-        };
-        for mm in [gaps_mm.first(), gaps_mm.last()].into_iter().flatten() {
-            let there = rig.params.with_gap_mm(*mm);
-            there.map_err(|e| from_numerics(e.into()))?;
+fn request(asked: &Keywords<'_>) -> PyResult<MapRequest> {
+    let rig = asked.rig()?;
+    let given = asked.frequencies(&rig)?;
+    let gaps_mm = match asked.numbers("gap_mm")? {
+        None => chapter_gaps_mm(&rig.params),
+        Some(gaps) => {
+            rising("gap_mm", &gaps)?;
+            gaps.into_iter().map(tidy).collect()
         }
-        let runner = match self.engine.as_str() {
-            "reference" => Runner::Reference,
-            name => match arguments::engine(name, self.precision.as_deref(), self.tick_us)? {
-                Engine::Event => Runner::Lanes,
-                Engine::Switch(setting) => Runner::Switch(setting),
-            },
-        };
-        let request = MapRequest {
-            grid: Grid {
-                frequencies_hz: given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params)),
-                gaps_mm,
-            },
-            rig,
-            runner,
-            plan: CellPlan {
-                cycles: self.cycles,
-                recorded: self.recorded.unwrap_or((self.cycles / 2).min(100)),
-                early: true,
-                strobes: 0,
-            },
-            settle: self.settle,
-            from: arguments::direction(&self.direction)?,
-        };
-        request.check().map_err(from_numerics)?;
-        Ok(request)
+    };
+    for mm in [gaps_mm.first(), gaps_mm.last()].into_iter().flatten() {
+        let there = rig.params.with_gap_mm(*mm);
+        there.map_err(|e| from_numerics(e.into()))?;
     }
+    let runner = match asked.take::<String>("engine")?.as_str() {
+        "reference" => asked.engine_called("event").map(|_| Runner::Reference)?,
+        name => match asked.engine_called(name)? {
+            Engine::Event => Runner::Lanes,
+            Engine::Switch(setting) => Runner::Switch(setting),
+        },
+    };
+    let cycles: u32 = asked.take("cycles")?;
+    let recorded: Option<u32> = asked.take("recorded")?;
+    let request = MapRequest {
+        grid: Grid {
+            frequencies_hz: given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params)),
+            gaps_mm,
+        },
+        rig,
+        runner,
+        plan: CellPlan {
+            cycles,
+            recorded: recorded.unwrap_or((cycles / 2).min(100)),
+            early: true,
+            strobes: 0,
+        },
+        settle: asked.take("settle")?,
+        from: direction(&asked.take::<String>("direction")?)?,
+    };
+    request.check().map_err(from_numerics)?;
+    Ok(request)
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, asked, threads, progress))]
-pub fn map<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    asked: MapKeywords,
-    threads: Option<usize>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let request = asked.request(rig)?;
-    let how = How { threads, progress };
-    let made = how.run(py, request.grid.len() as u64, |watch| run(&request, watch))?;
+pub fn map(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let request = request(&asked)?;
+    let made = asked.run(request.grid.len() as u64, |watch| run(&request, watch))?;
     arrays(py, &request, &made)
 }
 
 /// Axes, layers (row by row: every frequency of the first gap, then of the second) and summary.
-fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bound<'py, PyDict>> {
+fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bound<'py, PyAny>> {
     let found = PyDict::new(py);
     found.set_item("rig", &map.rig.name)?;
     found.set_item("engine", request.runner.name())?;
@@ -141,5 +115,5 @@ fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bou
     found.set_item("uncertain", uncertain.into_pyarray(py))?;
     let failed: Vec<bool> = cells.iter().map(|c| c.failed).collect();
     found.set_item("failed", failed.into_pyarray(py))?;
-    Ok(found)
+    record(found)
 }

@@ -3,44 +3,20 @@
 use numerics::engine::answer::{RunAnswer, contact_rows, section_rows};
 use numerics::engine::{CycleRecorder, machine, observe};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::arguments::{self, StartArgument};
-use crate::rig::PythonRig;
-use crate::values::{columns, record};
-use crate::work::How;
+use crate::arguments::{Keywords, direction};
+use crate::values::{fields, record, table};
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, start, cycles, transient, samples_per_period, engine, precision, tick_us))]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "each is a keyword of the Python function"
-)]
-pub fn simulate<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    ratio: Option<f64>,
-    frequency_hz: Option<f64>,
-    gap_mm: Option<f64>,
-    cart: Option<&str>,
-    start: StartArgument,
-    cycles: u32,
-    transient: u32,
-    samples_per_period: usize,
-    engine: &str,
-    precision: Option<&str>,
-    tick_us: Option<f64>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let rig = arguments::at(rig, gap_mm, cart)?;
-    let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
-    let engine = arguments::engine(engine, precision, tick_us)?;
-    let plan = arguments::plan(cycles, transient)?;
-    let start = start.start()?;
-    let how = How {
-        threads: None,
-        progress: None,
-    };
-    let (seen, recorder, section) = how.run(py, 1, |_| {
+pub fn simulate(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let rig = asked.rig_at_gap()?;
+    let hz = asked.one_frequency(&rig)?;
+    let engine = asked.engine()?;
+    let plan = asked.plan()?;
+    let start = asked.start()?;
+    let samples_per_period = asked.take("samples_per_period")?;
+    let (seen, recorder, section) = asked.run(1, |_| {
         let mut hammer = machine(engine, &rig.params, hz, start)?;
         let mut recorder = CycleRecorder {
             samples_per_period,
@@ -51,43 +27,23 @@ pub fn simulate<'py>(
         let section = section_rows(&seen, hammer.rig());
         Ok((seen, recorder, section))
     })?;
-    let found = record(py, &RunAnswer::new(&rig, engine, plan, &seen, &recorder))?;
-    found.set_item("history", columns(py, &recorder.samples)?)?;
-    found.set_item("section", columns(py, &section)?)?;
-    found.set_item("contacts", columns(py, &contact_rows(&recorder))?)?;
-    Ok(found)
+    let found = fields(py, &RunAnswer::new(&rig, engine, plan, &seen, &recorder))?;
+    found.set_item("history", table(py, &recorder.samples)?)?;
+    found.set_item("section", table(py, &section)?)?;
+    found.set_item("contacts", table(py, &contact_rows(&recorder))?)?;
+    record(found)
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, direction, cycles, transient, engine, precision, tick_us, threads, progress))]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "each is a keyword of the Python function"
-)]
-pub fn sweep<'py>(
-    py: Python<'py>,
-    rig: &PythonRig,
-    ratio: Option<Vec<f64>>,
-    frequency_hz: Option<Vec<f64>>,
-    gap_mm: Option<f64>,
-    cart: Option<&str>,
-    direction: &str,
-    cycles: u32,
-    transient: u32,
-    engine: &str,
-    precision: Option<&str>,
-    tick_us: Option<f64>,
-    threads: Option<usize>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let rig = arguments::at(rig, gap_mm, cart)?;
-    let frequencies = arguments::some_frequencies(&rig, ratio, frequency_hz)?;
-    let engine = arguments::engine(engine, precision, tick_us)?;
-    let direction = arguments::direction(direction)?;
-    let plan = arguments::plan(cycles, transient)?;
-    let how = How { threads, progress };
-    let rows = how.run(py, frequencies.len() as u64, |watch| {
+pub fn sweep(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let rig = asked.rig_at_gap()?;
+    let frequencies = asked.some_frequencies(&rig)?;
+    let engine = asked.engine()?;
+    let direction = direction(&asked.take::<String>("direction")?)?;
+    let plan = asked.plan()?;
+    let rows = asked.run(frequencies.len() as u64, |watch| {
         numerics::sweep::sweep(&rig, engine, &frequencies, direction, plan, watch)
     })?;
-    columns(py, &rows)
+    table(py, &rows)
 }

@@ -1,4 +1,4 @@
-//! Values as Python objects: records as dictionaries, tables as columns.
+//! Values as Python objects: structures as records or dictionaries, rows as tables.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -15,27 +15,39 @@ pub fn object<'py, T: Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'
     pythonize(py, value).map_err(|e| wrong(e.to_string()))
 }
 
-/// A record as a dictionary.
+/// A record as a dictionary, to which more can be added.
 ///
 /// # Errors
 /// If it is no structure.
-pub fn record<'py, T: Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'py, PyDict>> {
+pub fn fields<'py, T: Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'py, PyDict>> {
     Ok(object(py, value)?.cast_into::<PyDict>()?)
 }
 
-/// Rows as columns: a dictionary of lists, in the order of the fields.
+/// A `Record` of the fields.
+///
+/// # Errors
+/// If Python raises one.
+pub fn record(fields: Bound<'_, PyDict>) -> PyResult<Bound<'_, PyAny>> {
+    class(fields.py(), "Record")?.call1((fields,))
+}
+
+fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("vibroimpact._records")?.getattr(name)
+}
+
+/// Rows as columns, a `Table`, in the order of the fields.
 ///
 /// # Errors
 /// If a row is no structure.
-pub fn columns<'py, T: Serialize>(py: Python<'py>, rows: &[T]) -> PyResult<Bound<'py, PyDict>> {
-    let table = PyDict::new(py);
+pub fn table<'py, T: Serialize>(py: Python<'py>, rows: &[T]) -> PyResult<Bound<'py, PyAny>> {
+    let columns = PyDict::new(py);
     for row in rows {
-        for (key, value) in record(py, row)? {
-            match table.get_item(&key)? {
+        for (key, value) in fields(py, row)? {
+            match columns.get_item(&key)? {
                 Some(column) => column.cast::<PyList>()?.append(value)?,
-                None => table.set_item(key, PyList::new(py, [value])?)?,
+                None => columns.set_item(key, PyList::new(py, [value])?)?,
             }
         }
     }
-    Ok(table)
+    class(py, "Table")?.call1((columns,))
 }

@@ -1,9 +1,12 @@
-"""The analyses. Arguments have the meaning and the defaults of the command line's options; so have the numbers."""
+"""The analyses. Arguments have the meaning and the defaults of the command line's options; so have the numbers.
+
+``locals()`` is first in each function, so that it holds the arguments by their names, and nothing else.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Literal, Union
+from typing import Literal, Union
 
 import numpy as np
 
@@ -16,16 +19,6 @@ Start = Union[str, tuple[float, float]]
 Cart = Literal["prescribed", "recoil"]
 Direction = Literal["rest", "up", "down"]
 Progress = Callable[[int, int], object]
-
-
-def _list(values: Numbers | None) -> list[float] | None:
-    if values is None:
-        return None
-    return np.atleast_1d(np.asarray(values, dtype=float)).ravel().tolist()
-
-
-def _pair(values: Sequence[float] | None) -> list[float] | None:
-    return None if values is None else [float(one) for one in values]
 
 
 def simulate(
@@ -84,11 +77,7 @@ def simulate(
     -----
     Equations (3-8) to (3-18) of the chapter; regimes by the Poincaré section at drive phase 0.
     """
-    found = _native.simulate(
-        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, start=start, cycles=cycles,
-        transient=transient, samples_per_period=samples_per_period, engine=engine, precision=precision, tick_us=tick_us,
-    )
-    return Record(_tables(found, "history", "section", "contacts"))
+    return _native.simulate(locals())
 
 
 def sweep(
@@ -135,12 +124,7 @@ def sweep(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    found = _native.sweep(
-        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=gap_mm, cart=cart, direction=direction,
-        cycles=cycles, transient=transient, engine=engine, precision=precision, tick_us=tick_us, threads=threads,
-        progress=progress,
-    )
-    return Table(found)
+    return _native.sweep(locals())
 
 
 def pick(
@@ -204,29 +188,7 @@ def pick(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    widths = {
-        "natural_frequency_percent": natural_frequency_percent,
-        "amplitude_percent": amplitude_percent,
-        "contact_stiffness_percent": contact_stiffness_percent,
-        "contact_stiffness_factor": contact_stiffness_factor,
-        "contact_damping_percent": contact_damping_percent,
-        "contact_damping_ratio_percent": contact_damping_ratio_percent,
-        "gap_tolerance_mm": gap_tolerance_mm,
-        "mass_percent": mass_percent,
-        "cart_mass_percent": cart_mass_percent,
-        "shaker_loop_percent": shaker_loop_percent,
-        "shaker_damping_percent": shaker_damping_percent,
-    }
-    given = [(name, float(value)) for name, value in widths.items() if value is not None]
-    if nominal and given:
-        raise ValueError(f"nominal takes the parameters as exact; leave {given[0][0]} out")
-    return Record(
-        _native.pick(
-            rig, gap_mm=gap_mm, cart=cart, nominal=nominal, widths=given, samples=samples, seed=seed,
-            max_force_n=max_force_n, max_frequency_hz=max_frequency_hz, max_shaker_force_n=max_shaker_force_n,
-            threads=threads, progress=progress,
-        )
-    )
+    return _native.pick(locals())
 
 
 class Map(Grid):
@@ -243,7 +205,8 @@ class Map(Grid):
         "uncertain", "failed",
     )
 
-    def __init__(self, found: dict[str, Any]) -> None:
+    def __init__(self, given: Record) -> None:
+        found = dict(given)
         names = np.array(found.pop("regime_names"))
         found["regime"] = names[found.pop("regime_index")]
         shape = (len(found["gap_mm"]), len(found["frequency_hz"]))
@@ -252,35 +215,22 @@ class Map(Grid):
         super().__init__(found, ("gap_mm", "frequency_hz"), self._LAYERS)
 
 
-def _asked(
-    gap_mm: Numbers | None = None,
-    ratio: Numbers | None = None,
-    frequency_hz: Numbers | None = None,
-    cart: Cart | None = None,
-    engine: str = "event",
-    precision: str | None = None,
-    tick_us: float | None = None,
-    direction: Direction = "rest",
-    cycles: int = 300,
-    recorded: int | None = None,
-    settle: int | None = None,
-) -> dict[str, Any]:
-    return {
-        "gap_mm": _list(gap_mm), "ratio": _list(ratio), "frequency_hz": _list(frequency_hz), "cart": cart,
-        "engine": engine, "precision": precision, "tick_us": tick_us, "direction": direction, "cycles": cycles,
-        "recorded": recorded, "settle": settle,
-    }
-
-
 def map(  # noqa: A001
     rig: Rig,
     *,
     gap_mm: Numbers | None = None,
     ratio: Numbers | None = None,
     frequency_hz: Numbers | None = None,
+    cart: Cart | None = None,
+    engine: Literal["event", "reference", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+    direction: Direction = "rest",
+    cycles: int = 300,
+    recorded: int | None = None,
+    settle: int | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-    **keywords: Any,
 ) -> Map:
     """The Peterka map (figures 3.24 to 3.26): regime and force at each gap and drive frequency.
 
@@ -314,8 +264,7 @@ def map(  # noqa: A001
     KeyboardInterrupt
         On Ctrl-C.
     """
-    asked = _asked(gap_mm, ratio, frequency_hz, **keywords)
-    return Map(_native.map(rig, asked, threads, progress))
+    return Map(_native.map(locals()))
 
 
 class Basins(Grid):
@@ -329,7 +278,8 @@ class Basins(Grid):
 
     _LAYERS = ("impact", "attractor", "regime", "force_ratio", "settled_after_cycles", "last_contact_cycle")
 
-    def __init__(self, found: dict[str, Any]) -> None:
+    def __init__(self, given: Record) -> None:
+        found = dict(given)
         names = np.array(found.pop("attractor_names"))
         found["attractor"] = names[found.pop("which")]
         found["regime"] = np.array(found["regime"])
@@ -383,13 +333,7 @@ def basins(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    both = (grid, grid) if isinstance(grid, int) else tuple(grid)
-    found = _native.basins(
-        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, grid=both, displacement_mm=_pair(displacement_mm),
-        velocity_m_per_s=_pair(velocity_m_per_s), phase=phase, cycles=cycles, recorded=recorded, samples=samples,
-        seed=seed, until=until, engine=engine, precision=precision, tick_us=tick_us, threads=threads, progress=progress,
-    )
-    return Basins(found)
+    return Basins(_native.basins(locals()))
 
 
 def bifurcation(
@@ -419,12 +363,7 @@ def bifurcation(
 
     The arguments are those of :func:`sweep` and :func:`map`.
     """
-    found = _native.bifurcation(
-        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), cart=cart, direction=direction,
-        cycles=cycles, recorded=recorded, engine=engine, precision=precision, tick_us=tick_us, threads=threads,
-        progress=progress,
-    )
-    return Record(_tables(found, "points"))
+    return _native.bifurcation(locals())
 
 
 def orbits(
@@ -462,11 +401,7 @@ def orbits(
         ``branches`` (each with its range, stable stretches and ends), tables ``special_points`` and ``orbits`` (a row for each orbit
         and strobe, with both multipliers), and ``seen_elsewhere``: regimes that simulations settled on off these branches.
     """
-    found = _native.orbits(
-        rig, along=along, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), cart=cart,
-        periods=periods, impacts=impacts, starts=starts, checks=checks, threads=threads, progress=progress,
-    )
-    return Record(_tables(found, "orbits", "special_points"))
+    return _native.orbits(locals())
 
 
 def poincare(
@@ -492,11 +427,7 @@ def poincare(
         ``section``: a table with a row for each point (``phase_turns``, ``relative_displacement_mm``,
         ``relative_velocity_m_per_s``, ``force_n``, ...); ``trajectory``: the periods after the last point; ``regime``.
     """
-    found = _native.poincare(
-        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, points=points, transient=transient,
-        phases_turns=_list(phases_turns), start=start, progress=progress,
-    )
-    return Record(_tables(found, "section", "trajectory"))
+    return _native.poincare(locals())
 
 
 def lyapunov(
@@ -526,12 +457,7 @@ def lyapunov(
     The derivative of a drive period comes from dual numbers, the jump at each switch included (Müller 1995,
     doi:10.1016/0960-0779(94)00170-U).
     """
-    return Record(
-        _native.lyapunov(
-            rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, periods=periods, transient=transient,
-            start=start,
-        )
-    )
+    return _native.lyapunov(locals())
 
 
 def contact(
@@ -545,9 +471,7 @@ def contact(
         A row for each law and speed: ``contact_time_ms``, ``restitution``, ``force_n``, ``energy_lost_j``, ...
         Speeds are 0.02 to 0.3 m/s in steps of 0.02 if left out.
     """
-    usual = [0.02 + i * 0.02 for i in range(15)]
-    speeds = usual if speed_m_per_s is None else _list(speed_m_per_s)
-    return Table(_native.contact(rig, speed_m_per_s=speeds, law=law))
+    return _native.contact(locals())
 
 
 def drop(
@@ -575,14 +499,7 @@ def drop(
     Table
         A row for each sample: ``time_s``, ``force_n``, ``displacement_mm``, ``acceleration_m_per_s2``.
     """
-    return Table(
-        _native.drop(
-            rig, gap_mm=gap_mm, release_mm=release_mm, impacts=impacts, sampling_hz=sampling_hz, noise_n=noise_n,
-            ringing=ringing, bits=bits, full_scale_n=full_scale_n, force_gain_percent=force_gain_percent,
-            offset_n=offset_n, drift_n_per_s=drift_n_per_s, filter_hz=filter_hz,
-            displacement_gain_percent=displacement_gain_percent, seed=seed,
-        )
-    )
+    return _native.drop(locals())
 
 
 def identify(
@@ -630,16 +547,7 @@ def identify(
     ValueError
         The record has no impact, or an argument cannot be used.
     """
-    laws = [law] if isinstance(law, str) else list(law)
-    misfits = [misfit] if isinstance(misfit, str) else list(misfit)
-    found = _native.identify(
-        rig, time_s=_list(time_s), force_n=_list(force_n), displacement_mm=_list(displacement_mm), gap_mm=gap_mm,
-        laws=laws, misfits=misfits, release_mm=release_mm, seek_release=seek_release, seek_exponent=seek_exponent,
-        impacts=impacts, gain_percent=gain_percent, release_height_percent=release_height_percent,
-        clock_percent=clock_percent, threads=threads, progress=progress,
-    )
-    found["fits"] = [Record(_tables(fit, "impacts")) for fit in found["fits"]]
-    return Record(found)
+    return _native.identify(locals())
 
 
 def drill(
@@ -702,15 +610,7 @@ def drill(
     -----
     The ground is the drifting oscillator of Pavlovskaia, Wiercigroch and Grebogi (Physical Review E 64, 056224, 2001).
     """
-    found = _native.drill(
-        rig, threshold_n=threshold_n, ground_stiffness_n_per_m=ground_stiffness_n_per_m,
-        ground_damping_n_s_per_m=ground_damping_n_s_per_m, threshold_percent=threshold_percent,
-        ground_stiffness_percent=ground_stiffness_percent, bit_mass_kg=bit_mass_kg,
-        bit_stiffness_n_per_m=bit_stiffness_n_per_m, bit_damping_n_s_per_m=bit_damping_n_s_per_m,
-        bit_feed_force_n=bit_feed_force_n, feed=str(feed), ratio=_list(ratio), frequency_hz=_list(frequency_hz),
-        gap_mm=gap_mm, cart=cart, settle=settle, threads=threads, progress=progress,
-    )
-    return Record(_tables(found, "rows"))
+    return _native.drill(locals())
 
 
 def emulate(
@@ -746,16 +646,9 @@ def emulate(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    found = _native.emulate(scenario, toml=toml, samples_per_second=samples_per_second, progress=progress)
-    return Record(_tables(found, "samples", "contact_list", "timeline"))
+    return _native.emulate(locals())
 
 
 def scenarios() -> dict[str, str]:
     """The built-in scenarios: names and descriptions."""
     return dict(_native.scenarios())
-
-
-def _tables(found: dict[str, Any], *names: str) -> dict[str, Any]:
-    for name in names:
-        found[name] = Table(found[name])
-    return found

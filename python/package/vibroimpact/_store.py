@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
-from ._analyses import Map, Numbers, _asked, map
+from ._analyses import Cart, Direction, Map, Numbers, map
 from ._native import Rig
 
 if TYPE_CHECKING:
@@ -23,7 +23,14 @@ def map_to_zarr(
     gap_mm: Numbers | None = None,
     ratio: Numbers | None = None,
     frequency_hz: Numbers | None = None,
-    **keywords: Any,
+    cart: Cart | None = None,
+    engine: Literal["event", "reference", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+    direction: Direction = "rest",
+    cycles: int = 300,
+    recorded: int | None = None,
+    settle: int | None = None,
 ) -> xarray.Dataset:
     """The map of :func:`map`, by chunks of gaps in a zarr store. Chunks that are there are not computed again.
 
@@ -55,10 +62,12 @@ def map_to_zarr(
     import xarray
 
     # A single cycle of each cell gives the axes, and the types of the layers.
-    axes = map(
-        rig, gap_mm=gap_mm, ratio=ratio, frequency_hz=frequency_hz, cart=keywords.get("cart"), cycles=1, recorded=1
-    )
-    asked = _asked(axes.gap_mm, None, axes.frequency_hz, **keywords)
+    axes = map(rig, gap_mm=gap_mm, ratio=ratio, frequency_hz=frequency_hz, cart=cart, cycles=1, recorded=1)
+    asked = {
+        "gap_mm": axes.gap_mm.tolist(), "ratio": None, "frequency_hz": axes.frequency_hz.tolist(), "cart": cart,
+        "engine": engine, "precision": precision, "tick_us": tick_us, "direction": direction, "cycles": cycles,
+        "recorded": recorded, "settle": settle,
+    }
     request = json.dumps([_native.__version__, rig.name, rig.to_toml(), gaps_at_once, asked])
     try:
         there = xarray.open_zarr(store)
@@ -81,7 +90,7 @@ def map_to_zarr(
 def _compute(chunk: slice, rig: Rig, asked: dict[str, Any], store: str, threads: int | None) -> None:
     """Puts some gaps into the store, and when they are there, that they are."""
     part = asked | {"gap_mm": asked["gap_mm"][chunk]}
-    found = _layers(Map(_native.map(rig, part, threads, None))).drop_vars(("gap_mm", "frequency_hz"))
+    found = _layers(map(rig, threads=threads, **part)).drop_vars(("gap_mm", "frequency_hz"))
     region = {"gap_mm": slice(chunk.start, chunk.start + found.sizes["gap_mm"])}
     found.to_zarr(store, region=region)
     found[[]].assign(done=("gap_mm", [True] * found.sizes["gap_mm"])).to_zarr(store, region=region)
