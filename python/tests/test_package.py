@@ -54,7 +54,9 @@ def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
         (lambda: vi.simulate(WIRES, ratio=float("nan")), ["NaN"]),
         (lambda: vi.simulate(WIRES, ratio=2, start="up"), ["start", "up"]),
         (lambda: vi.simulate(WIRES, ratio=2, start=(float("inf"), 0)), ["start"]),
+        (lambda: vi.simulate(WIRES, ratio=2, start=(1,)), ["start", "(1,)"]),
         (lambda: vi.simulate(WIRES, ratio=2, tick_us=5), ["tick_us", "switch"]),
+        (lambda: vi.map(WIRES, engine="reference", tick_us=5), ["tick_us", "switch"]),
         (lambda: vi.simulate(WIRES, ratio=2, cart="loose"), ["cart", "loose"]),
         (lambda: vi.simulate(WIRES, ratio=2, cycles=10, transient=10), ["transient", "10"]),
         (lambda: vi.sweep(WIRES, ratio=[2, 1]), ["ratio", "rising"]),
@@ -66,7 +68,17 @@ def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
         (lambda: vi.pick(WIRES, mass_percent=-1), ["mass_percent", "-1"]),
         (lambda: vi.pick(WIRES, max_force_n=-1), ["max_force_n", "-1"]),
         (lambda: vi.pick(WIRES, max_force_n=1e-3, samples=1), ["max_force_n"]),
+        (lambda: vi.pick(WIRES, samples=100_001), ["samples", "100000"]),
         (lambda: vi.basins(WIRES, ratio=2, displacement_mm=(1, -1)), ["displacement"]),
+        (lambda: vi.basins(WIRES, ratio=2, samples=1_000_001), ["samples", "1000000"]),
+        (lambda: vi.basins(WIRES, ratio=2, grid=2.5), ["grid", "2.5"]),
+        (lambda: vi.bifurcation(WIRES, recorded=0), ["recorded", "300"]),
+        (lambda: vi.orbits(WIRES, periods=9), ["periods is 9", "8"]),
+        (lambda: vi.poincare(WIRES, ratio=2, points=0), ["points is 0", "from 1 to 10000000"]),
+        (lambda: vi.poincare(WIRES, ratio=2, phases_turns=[0, 1.5]), ["phases_turns", "1.5"]),
+        (lambda: vi.drop(WIRES, impacts=0), ["impacts is 0, must be from 1 to 100"]),
+        (lambda: vi.drop(WIRES, release_mm=-2000), ["release_mm is -2000, must be from -1000 to 1000"]),
+        (lambda: vi.identify(WIRES, range(30), [0] * 30, clock_percent=60), ["clock_percent is 60, must be from 0 to 50"]),
         (lambda: vi.identify(WIRES, [0, 1], [0, 0]), ["time_s", "2"]),
         (lambda: vi.identify(WIRES, range(30), [0] * 29), ["force_n", "29", "30"]),
         (lambda: vi.emulate("nowhere"), ["nowhere"]),
@@ -83,6 +95,14 @@ def test_a_mistake_is_a_value_error_that_names_the_argument(call, words):
     message = str(error.value)
     assert all(word in message for word in words), message
     assert "--" not in message and "\n" not in message, message
+
+
+def test_a_wrong_type_or_name_is_a_type_error_that_names_the_argument():
+    with pytest.raises(TypeError, match="argument 'cycles'"):
+        vi.simulate(WIRES, ratio=2, cycles="many")
+    with pytest.raises(TypeError, match="cyclez"):
+        vi.map(WIRES, cyclez=3)
+    assert vi.basins(WIRES, ratio=2.02, grid=np.int64(3), samples=0).shape == (3, 3)
 
 
 def test_progress_is_told_from_the_calling_thread_and_ends_at_all():
@@ -143,7 +163,8 @@ def test_records_travel_and_print():
     assert "2 x 3 cells" in repr(found)
     run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, samples_per_period=20)
     assert pickle.loads(pickle.dumps(run)) == run
-    assert "regime='1/1'" in repr(run)
+    assert "regime='1/1'" in repr(run) and "<td>regime</td><td>1/1</td>" in run._repr_html_()
+    assert run.section._repr_html_().count("<tr>") == 11 and "120 rows" in run.section._repr_html_()
     with pytest.raises(AttributeError, match="there is no field"):
         run.nothing
 
@@ -182,7 +203,8 @@ def test_tables_become_pandas_and_xarray():
     frame, cube = found.to_pandas(), found.to_xarray()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 6
     assert frame.force_n[4] == found.force_n[1, 1] == cube.force_n.values[1, 1]
-    assert cube.sizes == {"gap_mm": 2, "frequency_hz": 3}
+    assert cube.sizes == {"gap_mm": 2, "frequency_hz": 3} and cube.attrs["rig"] == "wires"
+    assert (cube.gap_mm.units, cube.frequency_hz.units, cube.force_n.units) == ("mm", "Hz", "N")
 
 
 def test_an_emulated_run_has_its_motion_and_its_events():

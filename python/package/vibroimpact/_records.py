@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+import html
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+# What a name ends in, longest first, and the unit that it stands for.
+_UNITS = {
+    "_m_per_s2": "m/s2", "_m_per_s": "m/s", "_n_s": "N s", "_per_s": "1/s", "_hz": "Hz", "_mm": "mm", "_ms": "ms", "_kg": "kg",
+    "_percent": "%", "_turns": "turn", "_ratio": "1", "_n": "N", "_s": "s", "_j": "J", "_w": "W",
+}
 
-class Record(Mapping):
+
+class Record(Mapping[str, Any]):
     """An answer. Its fields are attributes, and items as in a mapping; their units are in their names.
 
     ``record.force_ratio`` and ``record["force_ratio"]`` are the same. ``dict(record)`` gives the fields, and
@@ -54,6 +61,9 @@ class Record(Mapping):
         lines = (f"  {key}={_short(value)}" for key, value in self._fields.items())
         return f"{type(self).__name__}(\n" + ",\n".join(lines) + "\n)"
 
+    def _repr_html_(self) -> str:
+        return _html((), self._fields.items())
+
     def to_dict(self) -> dict[str, Any]:
         """The fields as plain Python values: dictionaries, lists, numbers and strings."""
         return {key: _plain(value) for key, value in self._fields.items()}
@@ -64,6 +74,10 @@ class Table(Record):
 
     Numbers that a row does not have are NaN; words that it does not have are ``None``.
     """
+
+    if TYPE_CHECKING:
+        def __getattr__(self, name: str) -> np.ndarray: ...
+        def __getitem__(self, key: str) -> np.ndarray: ...
 
     def __init__(self, columns: Mapping[str, Any]) -> None:
         self._fields = {key: _column(values) for key, values in columns.items()}
@@ -80,6 +94,10 @@ class Table(Record):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.rows} rows: {', '.join(self._fields)})"
 
+    def _repr_html_(self) -> str:
+        first = zip(*(values[:10] for values in self._fields.values()))
+        return _html(self._fields, first) + f"<p>{self.rows} rows</p>"
+
     def to_pandas(self) -> Any:
         """The table as a ``pandas.DataFrame`` (needs pandas)."""
         import pandas
@@ -90,7 +108,7 @@ class Table(Record):
         """The table as an ``xarray.Dataset`` over the dimension ``row`` (needs xarray)."""
         import xarray
 
-        return xarray.Dataset({key: ("row", values) for key, values in self._fields.items()})
+        return xarray.Dataset({key: ("row", values, _unit(key)) for key, values in self._fields.items()})
 
 
 class Grid(Record):
@@ -136,11 +154,31 @@ class Grid(Record):
         return pandas.DataFrame(there | {name: self._fields[name].ravel() for name in self._layers})
 
     def to_xarray(self) -> Any:
-        """An ``xarray.Dataset`` over the two axes (needs xarray)."""
+        """An ``xarray.Dataset`` over the two axes, with units, and with rig and options as attributes (needs xarray)."""
         import xarray
 
-        layers = {name: (self._axes, self._fields[name]) for name in self._layers}
-        return xarray.Dataset(layers, coords={axis: self._fields[axis] for axis in self._axes})
+        layers = {name: (self._axes, self._fields[name], _unit(name)) for name in self._layers}
+        axes = {axis: (axis, self._fields[axis], _unit(axis)) for axis in self._axes}
+        said = {key: value for key, value in self._fields.items() if isinstance(value, (str, int, float))}
+        return xarray.Dataset(layers, axes, said)
+
+
+def _unit(name: str) -> dict[str, str]:
+    """The attribute ``units`` of a variable of this name, if it has one."""
+    return next(({"units": unit} for end, unit in _UNITS.items() if name.endswith(end)), {})
+
+
+def _html(head: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    def line(tag: str, cells: Iterable[Any]) -> str:
+        return "<tr>" + "".join(f"<{tag}>{html.escape(_cell(cell))}</{tag}>" for cell in cells) + "</tr>"
+
+    return "<table>" + line("th", head) + "".join(line("td", row) for row in rows) + "</table>"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.6g}"
+    return str(value) if isinstance(value, (str, np.generic)) else _short(value)
 
 
 def _wrapped(value: Any) -> Any:

@@ -97,6 +97,7 @@ def _compute(chunk: slice, rig: Rig, asked: dict[str, Any], store: str, threads:
 
 
 def _layers(found: Map) -> xarray.Dataset:
-    """The layers; names of regimes have the same room in every chunk."""
+    """The layers, without options: the axes' are not the map's. Names of regimes have the same room in every chunk."""
     layers = found.to_xarray()
+    layers.attrs = {"rig": found.rig}
     return layers.assign(regime=layers.regime.astype("U12"))
