@@ -1,18 +1,17 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
-use files::words::identify::WordedFit;
+use files::words::identify::IdentifyAnswer;
 use numerics::contact_law::{all_laws, rows};
 use numerics::drop_test::{DropTest, record as record_of};
-use numerics::identify::{IdentifiedFit, Misfit, SearchSettings, fit, free_cart_percent, measure};
-use numerics::row::tidy;
+use numerics::identify::{Misfit, SearchSettings, identify as fit_all, release_m};
 use numerics::signal::Signal;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyList;
 use shared::model::contact::{LAWS, LawKind};
 
 use crate::arguments::{Keywords, choice, rising};
 use crate::error::{from_numerics, wrong};
-use crate::values::{fields, object, record, table};
+use crate::values::{fields, record, table};
 
 #[pyfunction]
 pub fn contact(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
@@ -82,7 +81,7 @@ pub fn identify(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     let signal = signal(&asked)?;
     let rig = asked.rig_at_gap()?;
     let settings = SearchSettings {
-        release_m: release(asked.take("release_mm")?, &signal)? * 1e-3,
+        release_m: release_m(asked.take("release_mm")?, &signal).map_err(from_numerics)?,
         seek_release: asked.take("seek_release")?,
         seek_exponent: asked.take("seek_exponent")?,
         impacts: asked.take("impacts")?,
@@ -93,37 +92,15 @@ pub fn identify(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     settings.check().map_err(from_numerics)?;
     let searches = families.len() * misfits.len();
     let (measured, fits) = asked.run(searches as u64, |watch| {
-        let measured = measure(&signal, &settings)?;
-        let mut fits = Vec::with_capacity(searches);
-        for family in &families {
-            for misfit in &misfits {
-                fits.push(fit(&measured, &rig.params, *family, *misfit, &settings)?);
-                numerics::progress::step(watch, 1)?;
-            }
-        }
-        Ok((measured, fits))
+        fit_all(&signal, &rig.params, &families, &misfits, &settings, watch)
     })?;
-    let found = PyDict::new(py);
-    found.set_item("rig", &rig.name)?;
-    found.set_item("gap_mm", tidy(rig.params.gap_m * 1e3))?;
-    found.set_item("release_mm", tidy(settings.release_m * 1e3))?;
-    found.set_item("impacts", measured.impacts.len())?;
-    found.set_item("sampling_hz", tidy(1.0 / measured.sample_s))?;
-    found.set_item("noise_n", measured.noise_n)?;
-    found.set_item("offset_n", measured.offset_n)?;
-    found.set_item("drift_n_per_s", measured.drift_n_per_s)?;
-    found.set_item("gain_percent", settings.gain_percent)?;
-    found.set_item("release_height_percent", settings.release_height_percent)?;
-    found.set_item("clock_percent", settings.clock_percent)?;
-    found.set_item("free_cart_percent", free_cart_percent(&rig.params))?;
-    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
-    let best: Option<&IdentifiedFit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
-    let ring = best.or(fits.first()).and_then(|fit| fit.ring);
-    found.set_item("ring", object(py, &ring)?)?;
+    let answer = IdentifyAnswer::new(&rig, &measured, &settings, &fits);
+    let found = fields(py, &answer)?;
+    found.del_item("file")?;
     let list = PyList::empty(py);
-    for fit in &fits {
-        let one = fields(py, &WordedFit::from(fit))?;
-        one.set_item("impacts", table(py, &fit.impacts)?)?;
+    for worded in &answer.fits {
+        let one = fields(py, worded)?;
+        one.set_item("impacts", table(py, &worded.fit.impacts)?)?;
         list.append(one)?;
     }
     found.set_item("fits", list)?;
@@ -189,18 +166,4 @@ fn signal(asked: &Keywords<'_>) -> PyResult<Signal> {
         displacement_mm,
         cart_mm: None,
     })
-}
-
-/// Where the hammer was released, mm: as given, else the record's first displacement, else 3 mm from rest.
-fn release(given: Option<f64>, signal: &Signal) -> PyResult<f64> {
-    let shown = signal.displacement_mm.as_ref().map(|d| {
-        let first = &d[..d.len().min(5)];
-        let mean = first.iter().sum::<f64>() / first.len() as f64;
-        (mean * 1e6).round() / 1e6
-    });
-    let mm = given.or(shown).unwrap_or(-3.0);
-    if mm.is_finite() {
-        return Ok(mm);
-    }
-    Err(wrong(format!("release_mm is {mm}, must be a number")))
 }

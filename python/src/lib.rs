@@ -1,6 +1,6 @@
-//! The Python package `vibroimpact`: the analyses of `numerics`, called with a rig and keyword parameters, with NumPy
-//! arrays and plain dictionaries as answers. What is documented for people, and the classes around the dictionaries, is
-//! in the Python files beside this package (`vibroimpact/`).
+//! The Python package `vibroimpact`: the analyses of `numerics`, called with the arguments of the Python functions, with
+//! records and tables as answers. What is documented for people, the classes of the answers, and every argument with its
+//! default are in the Python files beside this package (`vibroimpact/`).
 //!
 //! Every function computes with the interpreter released and looks for Ctrl-C meanwhile (`work.rs`).
 

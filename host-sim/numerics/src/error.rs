@@ -59,6 +59,9 @@ pub enum Error {
         /// The most it can be.
         high: f64,
     },
+    /// The release, mm, is no number.
+    #[error("--release-mm is {0}, must be a number")]
+    Release(f64),
     /// More random samples than there can be.
     #[error("--samples is {samples}, must be at most {most}")]
     Samples {

@@ -14,12 +14,11 @@ use crate::progress::ProgressLine;
 use files::UserError;
 use files::range::within;
 use files::table::to_csv;
-use files::words::identify::WordedFit;
+use files::words::identify::{IdentifyAnswer, WordedFit};
 use numerics::NamedRig;
-use numerics::identify::ring::Ring;
 use numerics::identify::{
     FilterKind, IdentifiedFit, ImpactRow, MeasuredImpacts, Misfit, ProfileEstimate, SearchSettings,
-    fit, free_cart_percent, measure,
+    identify, release_m,
 };
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -83,27 +82,6 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
-/// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    file: &'a str,
-    rig: &'a str,
-    gap_mm: f64,
-    release_mm: f64,
-    impacts: usize,
-    sampling_hz: f64,
-    noise_n: f64,
-    offset_n: f64,
-    ring: Option<Ring>,
-    drift_n_per_s: f64,
-    gain_percent: f64,
-    release_height_percent: f64,
-    clock_percent: f64,
-    /// How much less stiffness and damping are if the cart was free to move: m over m + M, %.
-    free_cart_percent: f64,
-    fits: Vec<WordedFit<'a>>,
-}
-
 /// A line of the table.
 #[derive(Serialize)]
 struct Row {
@@ -131,38 +109,21 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output.about([&rig])?;
     let signal = crate::record::read(file, |line| output.note(line), |_| ())?;
     let settings = settings(args, &signal)?;
-    let measured = measure(&signal, &settings)?;
     let misfits = args
         .misfit
         .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
     let work = (families.len() * misfits.len()) as u64;
     let progress = ProgressLine::new("searches", work, output.quiet);
-    let mut fits = Vec::new();
-    for family in families {
-        for misfit in &misfits {
-            fits.push(fit(&measured, &rig.params, family, *misfit, &settings)?);
-            progress.inc(1);
-        }
-    }
+    let (measured, fits) = identify(
+        &signal,
+        &rig.params,
+        &families,
+        &misfits,
+        &settings,
+        &progress,
+    )?;
     progress.finish();
-    let ring = best(&fits).and_then(|fit| fit.ring);
-    let answer = Answer {
-        file: &measured.name,
-        rig: &rig.name,
-        gap_mm: numerics::row::tidy(rig.params.gap_m * 1e3),
-        release_mm: numerics::row::tidy(settings.release_m * 1e3),
-        impacts: measured.impacts.len(),
-        sampling_hz: numerics::row::tidy(1.0 / measured.sample_s),
-        noise_n: measured.noise_n,
-        offset_n: measured.offset_n,
-        ring,
-        drift_n_per_s: measured.drift_n_per_s,
-        gain_percent: settings.gain_percent,
-        release_height_percent: settings.release_height_percent,
-        clock_percent: settings.clock_percent,
-        free_cart_percent: free_cart_percent(&rig.params),
-        fits: fits.iter().map(WordedFit::from).collect(),
-    };
+    let answer = IdentifyAnswer::new(&rig, &measured, &settings, &fits);
     refuse(&answer, args.all_laws)?;
     let rows = rows(&fits);
     let files = || {
@@ -175,7 +136,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// An error if none of the laws fits: there is no answer then.
-fn refuse(answer: &Answer, all_laws: bool) -> Result<(), UserError> {
+fn refuse(answer: &IdentifyAnswer, all_laws: bool) -> Result<(), UserError> {
     if answer.fits.iter().any(|worded| !worded.fit.refused) {
         return Ok(());
     }
@@ -212,37 +173,9 @@ fn families(args: &Args) -> Result<Vec<LawKind>, UserError> {
     Ok(families)
 }
 
-/// The fit whose shape is closest to the record's.
-fn best(fits: &[IdentifiedFit]) -> Option<&IdentifiedFit> {
-    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
-    let least = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
-    least.or(fits.first())
-}
-
-/// Where the hammer was released, mm: as given, else the record's first displacement, else 3 mm from rest.
-///
-/// # Errors
-/// If what is given is no number.
-pub fn release_mm(given: Option<f64>, signal: &Signal) -> Result<f64, UserError> {
-    // A few samples, so that a noisy one does not decide.
-    let shown = signal.displacement_mm.as_ref().map(|d| {
-        let first = &d[..d.len().min(5)];
-        first.iter().sum::<f64>() / first.len() as f64
-    });
-    // No sensor resolves less than a nanometre.
-    let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
-    let release_mm = given.or(shown).unwrap_or(-3.0);
-    if !release_mm.is_finite() {
-        return Err(UserError::new(format!(
-            "--release-mm is {release_mm}, must be a number"
-        )));
-    }
-    Ok(release_mm)
-}
-
 fn settings(args: &Args, signal: &Signal) -> Result<SearchSettings, UserError> {
     let settings = SearchSettings {
-        release_m: release_mm(args.release_mm, signal)? * 1e-3,
+        release_m: release_m(args.release_mm, signal)?,
         seek_release: args.seek_release,
         seek_exponent: args.seek_exponent,
         impacts: args.impacts,
@@ -302,7 +235,7 @@ fn digits(estimate: &ProfileEstimate) -> usize {
     shares.clamp(2.0, 10.0) as usize + 2
 }
 
-fn text(answer: &Answer) -> String {
+fn text(answer: &IdentifyAnswer) -> String {
     let mut text = format!(
         "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\ntaken as known (standard deviations): the sensor's gain to {} %, the height of the release to {} %, the clock to {} %\nthe cart is taken to be held; if it was free to move, stiffness and damping are {} % less than what follows\n",
         answer.file,

@@ -1,7 +1,82 @@
-//! Sentences about a fit of contact parameters.
+//! What an identification of contact parameters found, with sentences about its fits.
 
-use numerics::identify::{IdentifiedFit, Warning};
+use numerics::NamedRig;
+use numerics::identify::ring::Ring;
+use numerics::identify::{
+    IdentifiedFit, MeasuredImpacts, Misfit, SearchSettings, Warning, free_cart_percent,
+};
+use numerics::row::tidy;
 use serde::Serialize;
+
+/// The whole answer, as JSON has it.
+#[derive(Serialize)]
+pub struct IdentifyAnswer<'a> {
+    /// Name of the record.
+    pub file: &'a str,
+    /// Name of the rig.
+    pub rig: &'a str,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Displacement at the release, mm.
+    pub release_mm: f64,
+    /// Impacts fitted.
+    pub impacts: usize,
+    /// Samples per second.
+    pub sampling_hz: f64,
+    /// Standard deviation of the force without contact, N.
+    pub noise_n: f64,
+    /// The force channel's reading without force, N.
+    pub offset_n: f64,
+    /// The ringing that the best fit found.
+    pub ring: Option<Ring>,
+    /// How fast that reading rises, N/s.
+    pub drift_n_per_s: f64,
+    /// How uncertain the sensor's gain is taken to be, %.
+    pub gain_percent: f64,
+    /// How uncertain the distance of the release is taken to be, %.
+    pub release_height_percent: f64,
+    /// How uncertain the clock of the samples is taken to be, %.
+    pub clock_percent: f64,
+    /// How much less stiffness and damping are if the cart was free to move: m over m + M, %.
+    pub free_cart_percent: f64,
+    /// The fits, law by law.
+    pub fits: Vec<WordedFit<'a>>,
+}
+
+impl<'a> IdentifyAnswer<'a> {
+    /// The answer that these fits make.
+    pub fn new(
+        rig: &'a NamedRig,
+        measured: &'a MeasuredImpacts,
+        settings: &SearchSettings,
+        fits: &'a [IdentifiedFit],
+    ) -> Self {
+        Self {
+            file: &measured.name,
+            rig: &rig.name,
+            gap_mm: tidy(rig.params.gap_m * 1e3),
+            release_mm: tidy(settings.release_m * 1e3),
+            impacts: measured.impacts.len(),
+            sampling_hz: tidy(1.0 / measured.sample_s),
+            noise_n: measured.noise_n,
+            offset_n: measured.offset_n,
+            ring: best(fits).and_then(|fit| fit.ring),
+            drift_n_per_s: measured.drift_n_per_s,
+            gain_percent: settings.gain_percent,
+            release_height_percent: settings.release_height_percent,
+            clock_percent: settings.clock_percent,
+            free_cart_percent: free_cart_percent(&rig.params),
+            fits: fits.iter().map(WordedFit::from).collect(),
+        }
+    }
+}
+
+/// The fit whose shape is closest to the record's.
+pub fn best(fits: &[IdentifiedFit]) -> Option<&IdentifiedFit> {
+    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
+    let least = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+    least.or(fits.first())
+}
 
 /// A fit with its warnings in words, as JSON has it.
 #[derive(Serialize)]

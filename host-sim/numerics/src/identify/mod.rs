@@ -24,6 +24,7 @@ use shared::model::contact::{Law, LawKind};
 use shared::model::params::RigParams;
 
 use crate::error::{Error, RecordError, within};
+use crate::progress::{Progress, step};
 use crate::signal::Signal;
 pub use contacts::{Impact, MeasuredImpacts};
 pub use profile::{Profile, ProfileEstimate};
@@ -115,6 +116,48 @@ pub(crate) const EVERY_CONTACT: SearchSettings = SearchSettings {
     impacts: usize::MAX,
     ..SearchSettings::DEFAULT
 };
+
+/// Where the hammer was released, m: as given in mm, else the record's first displacement, else 3 mm from rest.
+///
+/// # Errors
+/// If what is given is no number.
+pub fn release_m(given_mm: Option<f64>, signal: &Signal) -> Result<f64, Error> {
+    // A few samples, so that a noisy one does not decide.
+    let shown = signal.displacement_mm.as_ref().map(|d| {
+        let first = &d[..d.len().min(5)];
+        first.iter().sum::<f64>() / first.len() as f64
+    });
+    // No sensor resolves less than a nanometre.
+    let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
+    let mm = given_mm.or(shown).unwrap_or(-3.0);
+    match mm.is_finite() {
+        true => Ok(mm * 1e-3),
+        false => Err(Error::Release(mm)),
+    }
+}
+
+/// Fits each law with each misfit; a step of progress is a fit.
+///
+/// # Errors
+/// As [`measure`] and [`fit`]; if the work is interrupted.
+pub fn identify(
+    signal: &Signal,
+    params: &RigParams,
+    laws: &[LawKind],
+    misfits: &[Misfit],
+    settings: &SearchSettings,
+    progress: &dyn Progress,
+) -> Result<(MeasuredImpacts, Vec<IdentifiedFit>), Error> {
+    let measured = measure(signal, settings)?;
+    let mut fits = Vec::with_capacity(laws.len() * misfits.len());
+    for law in laws {
+        for misfit in misfits {
+            fits.push(fit(&measured, params, *law, *misfit, settings)?);
+            step(progress, 1)?;
+        }
+    }
+    Ok((measured, fits))
+}
 
 /// One measured impact beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -18,7 +18,7 @@ use files::words::identify::WordedFit;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
 use numerics::PickLimits;
-use numerics::identify::{IdentifiedFit, Misfit, SearchSettings, fit, measure};
+use numerics::identify::{IdentifiedFit, Misfit, SearchSettings, fit, measure, release_m};
 use numerics::pick::pick;
 use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
@@ -103,7 +103,7 @@ fn identified(
     let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
     let signal = crate::record::read(file, |line| note(quiet, line), |_| ())?;
     let settings = SearchSettings {
-        release_m: super::identify::release_mm(answers.release_mm, &signal)? * 1e-3,
+        release_m: release_m(answers.release_mm, &signal)?,
         impacts: 6,
         ..SearchSettings::DEFAULT
     };
