@@ -7,7 +7,7 @@ use numerics::sweep::Direction;
 use numerics::{Error, NamedRig};
 use numpy::{AllowTypeChange, PyArrayLikeDyn};
 use pyo3::conversion::FromPyObjectOwned;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -43,8 +43,11 @@ impl<'py> Keywords<'py> {
         let given = self.0.call_method1("pop", (key, py.None()))?;
         given.extract::<T>().map_err(|error| {
             let error: PyErr = error.into();
-            match error.is_instance_of::<PyTypeError>(py) {
-                true => PyTypeError::new_err(format!("argument '{key}': {}", error.value(py))),
+            if error.is_instance_of::<PyTypeError>(py) {
+                return PyTypeError::new_err(format!("argument '{key}': {}", error.value(py)));
+            }
+            match error.is_instance_of::<PyOverflowError>(py) {
+                true => wrong(format!("{key} is {given}, which is out of range")),
                 false => error,
             }
         })

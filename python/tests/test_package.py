@@ -59,6 +59,7 @@ def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
         (lambda: vi.map(WIRES, engine="reference", tick_us=5), ["tick_us", "switch"]),
         (lambda: vi.simulate(WIRES, ratio=2, cart="loose"), ["cart", "loose"]),
         (lambda: vi.simulate(WIRES, ratio=2, cycles=10, transient=10), ["transient", "10"]),
+        (lambda: vi.simulate(WIRES, ratio=2, cycles=-1), ["cycles", "-1"]),
         (lambda: vi.sweep(WIRES, ratio=[2, 1]), ["ratio", "rising"]),
         (lambda: vi.sweep(WIRES, ratio=[]), ["ratio", "empty"]),
         (lambda: vi.sweep(WIRES, ratio=[2], threads=0), ["threads", "0"]),

@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
 # What a name ends in, longest first, and the unit that it stands for.
 _UNITS = {
-    "_m_per_s2": "m/s2", "_m_per_s": "m/s", "_n_s": "N s", "_per_s": "1/s", "_hz": "Hz", "_mm": "mm", "_ms": "ms", "_kg": "kg",
+    "_m_per_s2": "m/s2", "_m_per_s": "m/s", "_n_s": "N s", "_per_s": "1/s", "_hz": "Hz", "_mm": "mm", "_um": "um", "_ms": "ms", "_kg": "kg",
     "_percent": "%", "_turns": "turn", "_ratio": "1", "_n": "N", "_s": "s", "_j": "J", "_w": "W",
 }
 
@@ -98,13 +102,13 @@ class Table(Record):
         first = zip(*(values[:10] for values in self._fields.values()))
         return _html(self._fields, first) + f"<p>{self.rows} rows</p>"
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pandas.DataFrame:
         """The table as a ``pandas.DataFrame`` (needs pandas)."""
         import pandas
 
         return pandas.DataFrame(dict(self._fields))
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xarray.Dataset:
         """The table as an ``xarray.Dataset`` over the dimension ``row`` (needs xarray)."""
         import xarray
 
@@ -145,7 +149,7 @@ class Grid(Record):
         at = f"{self.shape[0]} x {self.shape[1]} cells over {rows} and {columns}"
         return f"{type(self).__name__}({at}: {', '.join(self._layers)})"
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pandas.DataFrame:
         """A ``pandas.DataFrame`` with a row for each cell (needs pandas)."""
         import pandas
 
@@ -153,7 +157,7 @@ class Grid(Record):
         there = {self._axes[0]: np.repeat(rows, len(columns)), self._axes[1]: np.tile(columns, len(rows))}
         return pandas.DataFrame(there | {name: self._fields[name].ravel() for name in self._layers})
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xarray.Dataset:
         """An ``xarray.Dataset`` over the two axes, with units, and with rig and options as attributes (needs xarray)."""
         import xarray
 
