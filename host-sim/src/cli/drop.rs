@@ -4,7 +4,6 @@ use super::arguments::choice::{Choice, choice};
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
 use files::UserError;
-use files::range::within;
 use numerics::drop_test::{Converter, DropSample, DropTest, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};

@@ -12,7 +12,6 @@ use super::coverage::CoverageArgs;
 use crate::pictures;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::range::within;
 use files::table::to_csv;
 use files::words::identify::{IdentifyAnswer, WordedFit};
 use numerics::NamedRig;

@@ -7,7 +7,6 @@ use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::range::within;
 use files::words::count;
 use numerics::CartModel;
 use numerics::engine::Start;

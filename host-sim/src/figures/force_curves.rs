@@ -62,12 +62,12 @@ pub fn curves(
     };
     let mut curves = Vec::new();
     for (rig, by_way) in rigs.iter().zip(found.chunks(ways.len())) {
-        for gap in 0..gaps_mm.len() {
+        for (gap, from_rest) in by_way[0].iter().enumerate() {
             let [rest, up, down] =
                 [0, 1, 2].map(|way| by_way[way][gap].stations.iter().map(named).collect());
             curves.push(SweepCurves {
                 rig,
-                params: by_way[0][gap].params,
+                params: from_rest.params,
                 rest,
                 up,
                 down,

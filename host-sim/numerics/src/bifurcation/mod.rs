@@ -14,7 +14,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::engine::Engine;
-use crate::error::{Error, MapError};
+use crate::error::Error;
 use crate::lanes::{self, Cell, CellOutcome, CellPlan, LaneStrobe};
 use crate::progress::{Progress, check, step};
 use crate::row::CartModel;
@@ -124,7 +124,7 @@ impl DiagramRequest {
         } = self.plan;
         match (1..=cycles).contains(&recorded) {
             true => Ok(()),
-            false => Err(MapError::Recorded { recorded, cycles }.into()),
+            false => Err(Error::Recorded { recorded, cycles }),
         }
     }
 

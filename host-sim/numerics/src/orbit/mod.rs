@@ -224,7 +224,7 @@ pub(crate) fn shoot_to(
         }
         let use_again =
             exactness.near && periods == 1 && (known.is_none() || size < SMALLER * last);
-        known = use_again.then(|| image.monodromy);
+        known = use_again.then_some(image.monodromy);
         last = size;
         // (I − M) step = miss.
         let step = image.monodromy.newton_step(miss);

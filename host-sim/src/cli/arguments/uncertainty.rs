@@ -1,7 +1,6 @@
 //! How well the rig is known: `--nominal`, the half-widths, samples and seed.
 
 use files::UserError;
-use files::range::at_most;
 use files::rigfile::WIDTHS;
 use numerics::NamedRig;
 use numerics::uncertainty::{Stated, Uncertainty};

@@ -14,7 +14,6 @@ use crate::pictures::basins::figure;
 use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::range::at_most;
 use numerics::NamedRig;
 use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, BasinsSummary, StartWindow, cells, explore};
