@@ -7,7 +7,7 @@ use super::canvas::{Canvas, Letters, Rect, printable, spot};
 use super::layout::fit;
 use super::panel::widest;
 use super::ticks::Ticks;
-use super::{Bar, Color, Item, Panel, PictureError, Stroke};
+use super::{Bar, Color, Panel, PictureError, Shape, Stroke};
 
 const GAP: f64 = 14.0;
 const WIDTH: f64 = 14.0;
@@ -18,8 +18,8 @@ const STEPS: usize = 128;
 
 /// The scale of `panel`'s first raster that has one.
 pub(super) fn bar(panel: &Panel) -> Option<&Bar> {
-    panel.items.iter().find_map(|item| match item {
-        Item::Raster(raster) => raster.bar.as_ref(),
+    panel.items.iter().find_map(|item| match &item.shape {
+        Shape::Raster(raster) => raster.bar.as_ref(),
         _ => None,
     })
 }

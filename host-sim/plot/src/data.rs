@@ -8,7 +8,7 @@ use super::render::PNG_SCALE;
 use super::series::{DataWindow, stretches, thin};
 use super::shape::Spot;
 use super::ticks::{axis_range, is_drawable};
-use super::{Color, Item, Mark, Panel, PictureError, Range};
+use super::{Color, Item, Mark, Panel, PictureError, Range, Shape};
 
 /// The panel with every position on a logarithmic axis as its decimal logarithm.
 pub(super) fn on_even_axes(panel: &Panel) -> Cow<'_, Panel> {
@@ -33,22 +33,22 @@ pub(super) fn on_even_axes(panel: &Panel) -> Cow<'_, Panel> {
         };
     }
     for item in &mut panel.items {
-        match item {
-            Item::Line { points, .. }
-            | Item::Points { points, .. }
-            | Item::Area { points, .. }
-            | Item::Cloud { points, .. } => {
+        match &mut item.shape {
+            Shape::Line { points, .. }
+            | Shape::Points { points, .. }
+            | Shape::Area(points)
+            | Shape::Cloud { points, .. } => {
                 for point in points {
                     *point = (on_x(point.0), on_y(point.1));
                 }
             }
-            Item::Raster(raster) => {
+            Shape::Raster(raster) => {
                 raster.x = (on_x(raster.x.0), on_x(raster.x.1));
                 raster.y = (on_y(raster.y.0), on_y(raster.y.1));
             }
-            Item::BandX { from, to, .. } => (*from, *to) = (on_x(*from), on_x(*to)),
-            Item::MarkX { x, .. } => *x = on_x(*x),
-            Item::MarkPoint { x, y, .. } => (*x, *y) = (on_x(*x), on_y(*y)),
+            Shape::BandX { from, to } => (*from, *to) = (on_x(*from), on_x(*to)),
+            Shape::MarkX { x, .. } => *x = on_x(*x),
+            Shape::MarkPoint(at) => *at = (on_x(at.0), on_y(at.1)),
         }
     }
     Cow::Owned(panel)
@@ -61,18 +61,18 @@ pub(super) fn window(panel: &Panel) -> (DataWindow, bool) {
     let mut margins = (0.02, 0.06);
     let (mut marked_x, mut band_x) = (Vec::new(), Vec::new());
     for item in &panel.items {
-        match item {
-            Item::Line { points: p, .. }
-            | Item::Points { points: p, .. }
-            | Item::Area { points: p, .. }
-            | Item::Cloud { points: p, .. } => points.extend(p),
-            Item::Raster(raster) => {
+        match &item.shape {
+            Shape::Line { points: p, .. }
+            | Shape::Points { points: p, .. }
+            | Shape::Area(p)
+            | Shape::Cloud { points: p, .. } => points.extend(p),
+            Shape::Raster(raster) => {
                 points.extend([(raster.x.0, raster.y.0), (raster.x.1, raster.y.1)]);
                 margins = (0.0, 0.0);
             }
-            Item::MarkPoint { x, y, .. } => points.push((*x, *y)),
-            Item::MarkX { x, .. } => marked_x.push(*x),
-            Item::BandX { from, to, .. } => band_x.extend([*from, *to]),
+            Shape::MarkPoint(at) => points.push(*at),
+            Shape::MarkX { x, .. } => marked_x.push(*x),
+            Shape::BandX { from, to } => band_x.extend([*from, *to]),
         }
     }
     points.retain(|(x, y)| is_drawable(*x) && is_drawable(*y));
@@ -119,30 +119,27 @@ pub(super) fn draw(
     to_spot: impl Fn((f64, f64)) -> Spot,
 ) -> Result<Vec<(f64, f64)>, PictureError> {
     let mut dots = Vec::new();
-    match item {
-        Item::Line {
+    let color = item.color;
+    match &item.shape {
+        Shape::Line {
             points,
-            color,
             width,
             stroke,
-            ..
         } => {
             for stretch in stretches(points, window) {
                 let spots = thin(stretch.into_iter().map(&to_spot).collect());
                 dots.extend(along(&spots));
                 if let [only] = spots[..] {
-                    canvas.mark(only, Mark::Circle, width.max(2.5), *color)?;
+                    canvas.mark(only, Mark::Circle, width.max(2.5), color)?;
                 } else {
-                    canvas.path(spots, *color, *width, *stroke)?;
+                    canvas.path(spots, color, *width, *stroke)?;
                 }
             }
         }
-        Item::Points {
+        Shape::Points {
             points,
-            color,
             radius,
             mark,
-            ..
         } => {
             let inside = points.iter().copied().filter(|p| window.contains(*p));
             let mut spots: Vec<Spot> = inside.map(&to_spot).collect();
@@ -150,20 +147,18 @@ pub(super) fn draw(
             spots.sort_unstable();
             spots.dedup();
             for at in spots {
-                canvas.mark(at, *mark, *radius, *color)?;
+                canvas.mark(at, *mark, *radius, color)?;
                 dots.push(px(at));
             }
         }
-        Item::Cloud {
-            points, color, dot, ..
-        } => {
+        Shape::Cloud { points, dot } => {
             let inside = points.iter().copied().filter(|p| window.contains(*p));
             let spots: Vec<Spot> = inside.map(&to_spot).collect();
-            cloud(canvas, &spots, (*color, *dot), frame)?;
+            cloud(canvas, &spots, (color, *dot), frame)?;
             let every = spots.len() / 2000 + 1;
             dots.extend(spots.iter().step_by(every).map(|s| px(*s)));
         }
-        Item::Area { points, color, .. } => {
+        Shape::Area(points) => {
             let finite = points
                 .iter()
                 .filter(|(x, y)| x.is_finite() && y.is_finite());
@@ -171,9 +166,9 @@ pub(super) fn draw(
                 let x = x.clamp(window.x.0, window.x.1);
                 (x, y.clamp(window.y.0, window.y.1))
             };
-            canvas.fill_outline(finite.map(inside).map(&to_spot).collect(), *color, 0.18)?;
+            canvas.fill_outline(finite.map(inside).map(&to_spot).collect(), color, 0.18)?;
         }
-        Item::Raster(raster) => {
+        Shape::Raster(raster) => {
             let corners = [
                 to_spot((raster.x.0, raster.y.1)),
                 to_spot((raster.x.1, raster.y.0)),
@@ -181,7 +176,7 @@ pub(super) fn draw(
             let frame = [(frame.left, frame.top), (frame.right, frame.bottom)];
             canvas.image(raster.image()?, corners, frame.map(spot));
         }
-        Item::BandX { .. } | Item::MarkX { .. } | Item::MarkPoint { .. } => {}
+        Shape::BandX { .. } | Shape::MarkX { .. } | Shape::MarkPoint(_) => {}
     }
     Ok(dots)
 }

@@ -2,17 +2,25 @@
 
 use super::{Color, Mark, Point, Raster, Stroke, Style};
 
-/// Something drawn in a panel. An empty label keeps it out of the legend.
+/// Something drawn in a panel.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Item {
+pub struct Item {
+    /// Name in the legend, above a vertical line or beside a ringed point; an empty one is left out. Cells have names of
+    /// their own.
+    pub label: String,
+    /// Its colour. Areas and bands are drawn thin enough to read curves over them; cells have colours of their own.
+    pub color: Color,
+    /// What is drawn.
+    pub shape: Shape,
+}
+
+/// What an item draws.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
     /// Joined points; a point that is not finite interrupts the line.
     Line {
         /// The points in drawing order.
         points: Vec<Point>,
-        /// Colour of the line.
-        color: Color,
-        /// Name in the legend.
-        label: String,
         /// Thickness of the line, px.
         width: f64,
         /// Solid, dashed or dotted.
@@ -22,10 +30,6 @@ pub enum Item {
     Points {
         /// The points; a later one covers an earlier one.
         points: Vec<Point>,
-        /// Colour of the marks.
-        color: Color,
-        /// Name in the legend.
-        label: String,
         /// Half the size of a mark, px.
         radius: f64,
         /// Shape of a mark.
@@ -35,22 +39,11 @@ pub enum Item {
     Cloud {
         /// The points; those not finite are left out.
         points: Vec<Point>,
-        /// Colour of the dots.
-        color: Color,
-        /// Name in the legend.
-        label: String,
         /// Side of a dot, px; at least one pixel of the PNG.
         dot: f64,
     },
-    /// A shaded area, e.g. between the smallest and the largest of something.
-    Area {
-        /// Its outline, finite points in order.
-        points: Vec<Point>,
-        /// Colour, drawn thin enough to read curves over it.
-        color: Color,
-        /// Name in the legend.
-        label: String,
-    },
+    /// A shaded area, e.g. between the smallest and the largest of something: its outline, finite points in order.
+    Area(Vec<Point>),
     /// Cells of colour, drawn as one image.
     Raster(Raster),
     /// A shaded vertical band, e.g. the safe operating band.
@@ -59,36 +52,28 @@ pub enum Item {
         from: f64,
         /// The other edge, in x units.
         to: f64,
-        /// Colour, drawn thin enough to read curves over it.
-        color: Color,
-        /// Name in the legend.
-        label: String,
     },
     /// A vertical line with its name above the plot, e.g. a period doubling.
     MarkX {
         /// Where, in x units.
         x: f64,
-        /// Name above the plot.
-        label: String,
-        /// Colour of line and name.
-        color: Color,
         /// Solid, dashed or dotted.
         stroke: Stroke,
     },
-    /// A ringed point with its name beside it, e.g. the chosen operating point.
-    MarkPoint {
-        /// Where, in x units.
-        x: f64,
-        /// Where, in y units.
-        y: f64,
-        /// Name beside the point.
-        label: String,
-        /// Colour of ring and name.
-        color: Color,
-    },
+    /// A ringed point with its name beside it, e.g. the chosen operating point; where, in x and y units.
+    MarkPoint(Point),
 }
 
 impl Item {
+    /// An item from its parts.
+    pub fn new(label: impl Into<String>, color: Color, shape: Shape) -> Self {
+        Self {
+            label: label.into(),
+            color,
+            shape,
+        }
+    }
+
     /// A line of this stroke and thickness, px.
     pub fn curve(
         label: impl Into<String>,
@@ -96,13 +81,12 @@ impl Item {
         (stroke, width): (Stroke, f64),
         points: Vec<Point>,
     ) -> Self {
-        Self::Line {
+        let shape = Shape::Line {
             points,
-            color,
-            label: label.into(),
             width,
             stroke,
-        }
+        };
+        Self::new(label, color, shape)
     }
 
     /// A solid line, 1.6 px thick.
@@ -122,13 +106,12 @@ impl Item {
         (mark, radius): (Mark, f64),
         points: Vec<Point>,
     ) -> Self {
-        Self::Points {
+        let shape = Shape::Points {
             points,
-            color,
-            label: label.into(),
             radius,
             mark,
-        }
+        };
+        Self::new(label, color, shape)
     }
 
     /// Round points of 2.5 px radius.
@@ -138,12 +121,13 @@ impl Item {
 
     /// Any number of points: dots of 1 px up to 50,000 of them, of half a px beyond.
     pub fn cloud(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Cloud {
-            dot: if points.len() > 50_000 { 0.5 } else { 1.0 },
-            points,
-            color,
-            label: label.into(),
-        }
+        let dot = if points.len() > 50_000 { 0.5 } else { 1.0 };
+        Self::new(label, color, Shape::Cloud { points, dot })
+    }
+
+    /// Cells of colour.
+    pub fn raster(raster: Raster) -> Self {
+        Self::new("", Color::INK, Shape::Raster(raster))
     }
 
     /// Points of 3 px radius in the colour and shape of `style`.
@@ -155,40 +139,22 @@ impl Item {
     pub fn between(label: impl Into<String>, color: Color, values: &[[f64; 3]]) -> Self {
         let lower = values.iter().map(|[x, lower, _]| (*x, *lower));
         let upper = values.iter().rev().map(|[x, _, upper]| (*x, *upper));
-        Self::Area {
-            points: lower.chain(upper).collect(),
-            color,
-            label: label.into(),
-        }
+        Self::new(label, color, Shape::Area(lower.chain(upper).collect()))
     }
 
     /// A green band from one x to another.
     pub fn band_x(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self::BandX {
-            from,
-            to,
-            color: Color::GREEN,
-            label: label.into(),
-        }
+        Self::new(label, Color::GREEN, Shape::BandX { from, to })
     }
 
     /// A dashed dark vertical line at `x`.
     pub fn mark_x(label: impl Into<String>, x: f64) -> Self {
-        Self::MarkX {
-            x,
-            label: label.into(),
-            color: Color::INK,
-            stroke: Stroke::Dashed,
-        }
+        let stroke = Stroke::Dashed;
+        Self::new(label, Color::INK, Shape::MarkX { x, stroke })
     }
 
     /// A dark ring around `(x, y)`.
     pub fn mark_point(label: impl Into<String>, x: f64, y: f64) -> Self {
-        Self::MarkPoint {
-            x,
-            y,
-            label: label.into(),
-            color: Color::INK,
-        }
+        Self::new(label, Color::INK, Shape::MarkPoint((x, y)))
     }
 }

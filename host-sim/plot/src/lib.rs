@@ -24,10 +24,10 @@
 //! What has too many parts to be drawn one by one is put into the picture as a small PNG, with crisp pixels, in the
 //! SVG as well:
 //!
-//! - [`Item::Raster`]: a grid of cells. [`Raster::categories`] for kinds, each with a name and a colour,
+//! - [`Item::raster`]: a grid of cells. [`Raster::categories`] for kinds, each with a name and a colour,
 //!   [`Raster::values`] for a number per cell with a colour bar. Cells come row by row from the lowest y, in each row by
 //!   rising x; [`edges`] gives the outer edges from the first and last centre.
-//! - [`Item::Cloud`] (by [`Item::cloud`]): up to millions of points, a dot each: bifurcation diagrams, sections.
+//! - [`Item::cloud`]: up to millions of points, a dot each: bifurcation diagrams, sections.
 //!
 //! ```
 //! use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges, render_svg};
@@ -43,10 +43,10 @@
 //! let dots = (0..50_000).map(|i| (1.0 + f64::from(i % 100) / 100.0, f64::from(i) * 2e-6));
 //! let figure = Figure::new("Two maps")
 //!     .columns(2)
-//!     .panel(Panel::new(hz(), Axis::new("gap, mm")).item(Item::Raster(map)))
+//!     .panel(Panel::new(hz(), Axis::new("gap, mm")).item(Item::raster(map)))
 //!     .panel(
 //!         Panel::new(hz(), Axis::new("gap, mm"))
-//!             .item(Item::Raster(by_force))
+//!             .item(Item::raster(by_force))
 //!             .item(Item::cloud("", Color::INK, dots.collect())),
 //!     );
 //! assert_eq!(render_svg(&figure)?.matches("<image").count(), 3);
@@ -73,7 +73,7 @@ mod svg;
 mod tests;
 mod ticks;
 
-pub use item::Item;
+pub use item::{Item, Shape};
 pub use palette::{Color, Mark, Stroke, Style};
 pub use raster::{Bar, Raster, edges};
 pub use render::{PNG_SCALE, render_png, render_svg};

@@ -4,7 +4,7 @@ use super::canvas::{Canvas, Letters, Rect, px, spot};
 use super::layout::{Slot, beside, fit, stagger};
 use super::series::DataWindow;
 use super::shape::Spot;
-use super::{Color, Item, Mark, Panel, PictureError, Stroke};
+use super::{Color, Item, Mark, Panel, PictureError, Shape, Stroke};
 
 const NAME_TEXT: f64 = 12.0;
 const LEGEND_ROW: f64 = 18.0;
@@ -18,7 +18,9 @@ pub(super) fn legend(canvas: &Canvas, frame: Rect, items: &[Item]) -> Result<f64
     let (mut x, mut y) = (frame.left, frame.top + LEGEND_ROW / 2.0);
     for (name, samples) in &entries {
         let small = |s: &Sample| match s {
-            Sample::Item(item) => matches!(item, Item::Points { .. } | Item::Cloud { .. }),
+            Sample::Item(item) => {
+                matches!(item.shape, Shape::Points { .. } | Shape::Cloud { .. })
+            }
             Sample::Cell(_) => true,
         };
         let only_points = samples.iter().all(small);
@@ -52,17 +54,13 @@ enum Sample<'a> {
 fn entries(items: &[Item]) -> Vec<(&str, Vec<Sample<'_>>)> {
     let mut entries: Vec<(&str, Vec<Sample>)> = Vec::new();
     for item in items {
-        let named = match item {
-            Item::Line { label, .. }
-            | Item::Points { label, .. }
-            | Item::Cloud { label, .. }
-            | Item::Area { label, .. }
-            | Item::BandX { label, .. } => vec![(label, Sample::Item(item))],
-            Item::Raster(raster) => {
+        let named = match &item.shape {
+            Shape::MarkX { .. } | Shape::MarkPoint(_) => Vec::new(),
+            Shape::Raster(raster) => {
                 let names = raster.names.iter();
                 names.map(|n| (&n.0, Sample::Cell(n.1))).collect()
             }
-            Item::MarkX { .. } | Item::MarkPoint { .. } => Vec::new(),
+            _ => vec![(&item.label, Sample::Item(item))],
         };
         for (label, sample) in named {
             match entries.iter_mut().find(|(name, _)| name == label) {
@@ -80,40 +78,37 @@ impl Sample<'_> {
     fn draw(&self, canvas: &Canvas, (x, y): (f64, f64), width: f64) -> Result<(), PictureError> {
         let middle = (x + width / 2.0, y);
         let square = |half: f64| Rect::about(middle, half, half);
-        match self {
+        let item = match self {
             Self::Cell(color) => {
                 let outline = Color(0x80, 0x80, 0x80);
                 canvas.fill(square(5.5), outline, 1.0)?;
-                canvas.fill(square(4.75), *color, 1.0)
+                return canvas.fill(square(4.75), *color, 1.0);
             }
-            Self::Item(Item::Line {
-                color,
+            Self::Item(item) => item,
+        };
+        match &item.shape {
+            Shape::Line {
                 width: thick,
                 stroke,
                 ..
-            }) => {
+            } => {
                 let ends = [(x, y), (x + width, y)];
-                canvas.line(ends, *color, thick.max(1.2), *stroke)
+                canvas.line(ends, item.color, thick.max(1.2), *stroke)
             }
-            Self::Item(Item::Points {
-                color,
-                radius,
-                mark,
-                ..
-            }) => canvas.mark(spot(middle), *mark, radius.max(2.5), *color),
-            Self::Item(Item::Cloud { color, .. }) => {
-                canvas.mark(spot(middle), Mark::Circle, 2.5, *color)
+            Shape::Points { radius, mark, .. } => {
+                canvas.mark(spot(middle), *mark, radius.max(2.5), item.color)
             }
-            Self::Item(Item::BandX { color, .. } | Item::Area { color, .. }) => {
+            Shape::Cloud { .. } => canvas.mark(spot(middle), Mark::Circle, 2.5, item.color),
+            Shape::BandX { .. } | Shape::Area(_) => {
                 let swatch = Rect {
                     left: x,
                     top: y - 6.0,
                     right: x + width,
                     bottom: y + 6.0,
                 };
-                canvas.fill(swatch, *color, 0.25)
+                canvas.fill(swatch, item.color, 0.25)
             }
-            Self::Item(_) => Ok(()),
+            Shape::Raster(_) | Shape::MarkX { .. } | Shape::MarkPoint(_) => Ok(()),
         }
     }
 }
@@ -133,26 +128,20 @@ pub(super) fn markers(panel: &Panel, window: DataWindow, frame: Rect) -> Vec<Mar
     let letters = Letters::new(NAME_TEXT);
     let mut markers: Vec<Marker> = Vec::new();
     for item in &panel.items {
-        let Item::MarkX {
-            x,
-            label,
-            color,
-            stroke,
-        } = item
-        else {
+        let Shape::MarkX { x, stroke } = &item.shape else {
             continue;
         };
         if !(window.x.0..=window.x.1).contains(x) {
             continue;
         }
         let share = (x - window.x.0) / (window.x.1 - window.x.0);
-        let name = fit(label, letters, frame.width() * 0.95);
+        let name = fit(&item.label, letters, frame.width() * 0.95);
         markers.push(Marker {
             x: frame.left + share * frame.width(),
             slot: Slot { row: 0, left: 0.0 },
             width: letters.width(&name),
             name,
-            color: *color,
+            color: item.color,
             stroke: *stroke,
         });
     }
@@ -210,9 +199,9 @@ pub(super) fn marked_points(
     let marked: Vec<_> = panel
         .items
         .iter()
-        .filter_map(|item| match item {
-            Item::MarkPoint { x, y, label, color } if window.contains((*x, *y)) => {
-                Some((to_spot((*x, *y)), label, *color))
+        .filter_map(|item| match item.shape {
+            Shape::MarkPoint(at) if window.contains(at) => {
+                Some((to_spot(at), &item.label, item.color))
             }
             _ => None,
         })

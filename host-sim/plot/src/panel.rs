@@ -11,7 +11,7 @@ use super::layout::fit;
 use super::names::{MARKER_ROW, legend, marked_points, markers};
 use super::series::DataWindow;
 use super::ticks::Ticks;
-use super::{Axis, Color, Item, Panel, PictureError, Stroke, colorbar};
+use super::{Axis, Color, Panel, PictureError, Shape, Stroke, colorbar};
 
 const TICK: f64 = 4.0;
 const TICK_TEXT: f64 = 12.0;
@@ -107,10 +107,8 @@ pub(super) fn draw(
         )
         .map_err(library)?;
     for item in &panel.items {
-        if let Item::BandX {
-            from, to, color, ..
-        } = item
-            && let Some((from, to)) = band(*from, *to, window)
+        if let Shape::BandX { from, to } = item.shape
+            && let Some((from, to)) = band(from, to, window)
         {
             let (left, _) = px(chart.backend_coord(&(from, window.y.0)));
             let (right, _) = px(chart.backend_coord(&(to, window.y.0)));
@@ -120,7 +118,7 @@ pub(super) fn draw(
                     right,
                     ..frame
                 },
-                *color,
+                item.color,
                 0.14,
             )?;
         }

@@ -52,13 +52,7 @@ fn force_figure() -> Figure {
             stroke,
         };
         panel = panel
-            .item(Item::Line {
-                points: sweep(from, to),
-                color,
-                label: label.to_owned(),
-                width: 1.6,
-                stroke,
-            })
+            .item(Item::curve(label, color, (stroke, 1.6), sweep(from, to)))
             .item(Item::styled_points(
                 label,
                 style,
@@ -289,7 +283,7 @@ fn a_raster_fills_its_part_of_the_frame_with_even_cells() {
     ];
     let cells = [Some(0), Some(0), Some(1), None];
     let raster = Raster::categories((0.0, 2.0), (0.0, 2.0), 2, &kinds, &cells);
-    let png = render_png(&one(Item::Raster(raster.clone()))).unwrap();
+    let png = render_png(&one(Item::raster(raster.clone()))).unwrap();
     let (red, blue) = (pixels_of(&png, Color::RED), pixels_of(&png, Color::BLUE));
     // Two cells against one, less half the frame's line on two sides.
     assert!(
@@ -297,7 +291,7 @@ fn a_raster_fills_its_part_of_the_frame_with_even_cells() {
         "{red} {blue}"
     );
     // Seen from 1 to 2 in x, only the red cell below is left.
-    let mut figure = one(Item::Raster(raster));
+    let mut figure = one(Item::raster(raster));
     figure.panels[0].legend = true;
     let svg = render_svg(&figure).unwrap();
     assert!(svg.contains("two") && !svg.contains("never"));
@@ -312,7 +306,7 @@ fn a_scale_gets_a_bar_with_its_label() {
     let bar = Bar::new("force ratio, F/(m g)", 0.0, 40.0);
     let values = [0.0, 20.0, f64::NAN, 40.0];
     let raster = Raster::values((0.0, 2.0), (0.0, 2.0), 2, &values, bar);
-    let svg = render_svg(&one(Item::Raster(raster))).unwrap();
+    let svg = render_svg(&one(Item::raster(raster))).unwrap();
     assert!(svg.contains("force ratio, F/(m g)") && svg.contains("rotate(270"));
 }
 

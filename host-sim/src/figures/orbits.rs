@@ -112,7 +112,7 @@ fn map_figure(
         Axis::new("drive frequency, Hz").fixed(y.0, y.1),
     );
     let areas = regime_raster(x, y, gaps, regimes);
-    panel.items.push(Item::Raster(areas));
+    panel.items.push(Item::raster(areas));
     panel.items.extend(pictures::orbits::line_items(lines));
     Figure::new("Wires: where the 1/1 doubles, folds and grazes, over the Peterka map")
         .subtitle("Areas: what simulations from rest settle on. Lines: special points of the 1/1 orbits, stable or not, followed at each gap.")

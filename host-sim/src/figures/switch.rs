@@ -12,7 +12,7 @@ use files::UserError;
 use numerics::engine::{
     CycleRecorder, Engine, Machine, Method, Precision, RecordedSample, Setting, Start, machine,
 };
-use plot::{Color, Figure, Item, Mark, Panel};
+use plot::{Color, Figure, Item, Mark, Panel, Shape};
 
 /// A mass on a spring: the beam rig at 170 mm, its stop 1 mm away, driven at 1.5 times its own frequency.
 const STOP: RigParams = RigParams {
@@ -258,12 +258,11 @@ fn transition_panels(steps: &[Crossing], exact: &[Crossing]) -> [Panel; 2] {
 
 /// The band around the surface, as a shade.
 fn band_x(half_um: f64) -> Item {
-    Item::BandX {
+    let band = Shape::BandX {
         from: -half_um,
         to: half_um,
-        color: Color::ORANGE,
-        label: "band |h_α| < η_α".to_owned(),
-    }
+    };
+    Item::new("band |h_α| < η_α", Color::ORANGE, band)
 }
 
 #[cfg(test)]

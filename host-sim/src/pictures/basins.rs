@@ -75,7 +75,7 @@ fn over_starts(
         Axis::new("displacement at the start, mm").fixed(x0, x1),
         Axis::new("velocity at the start, m/s").fixed(v0, v1),
     )
-    .item(Item::Raster(raster((x0, x1), (v0, v1), window.columns)))
+    .item(Item::raster(raster((x0, x1), (v0, v1), window.columns)))
 }
 
 /// Impact in blue, no impact in red.

@@ -4,7 +4,7 @@ use numerics::CartModel;
 use numerics::bifurcation::measured::MeasuredDiagram;
 use numerics::bifurcation::{BifurcationDiagram, ChangeKind, DiagramPoint};
 use numerics::sweep::Direction;
-use plot::{Axis, Color, Figure, Item, Mark, Panel};
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Shape};
 
 /// The quantity on the vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,16 +106,15 @@ pub fn panel(diagrams: &[&BifurcationDiagram], view: View) -> Panel {
     let mut panel = Panel::new(x, y);
     for (k, diagram) in diagrams.iter().enumerate() {
         let label = way(diagram.direction);
-        panel = panel.item(Item::Cloud {
+        let color = match diagrams.len() {
+            1 => Color::BLUE,
+            _ => color(diagram.direction),
+        };
+        let cloud = Shape::Cloud {
             points: points(diagram, view),
-            color: if diagrams.len() == 1 {
-                Color::BLUE
-            } else {
-                color(diagram.direction)
-            },
-            label: label.to_owned(),
             dot: dot(diagram, k, diagrams.len() == 1),
-        });
+        };
+        panel = panel.item(Item::new(label, color, cloud));
     }
     if let (Some(measured), Some(first)) = (view.measured, diagrams.first()) {
         panel = panel.item(measured_points(measured, first, view));

@@ -139,7 +139,7 @@ pub fn map(rows: &[DrillRow]) -> Figure {
             rows.first().map_or("moves", moves)
         ))
         .size(1000, 640)
-        .panel(Panel::new("Ω/ω", "gap, mm").item(Item::Raster(raster)))
+        .panel(Panel::new("Ω/ω", "gap, mm").item(Item::raster(raster)))
 }
 
 /// The published oscillator over its static force: section and progress.

@@ -5,7 +5,7 @@ use shared::control::State;
 use emulator::names::state_name;
 use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow, TrueContact};
 use emulator::summary::cut_away_from_contacts;
-use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
+use plot::{Axis, Color, Figure, Item, Panel, Point, Shape, Stroke};
 
 /// Initial time between two points of a curve, s.
 const POINT_S: f64 = 0.05;
@@ -236,16 +236,12 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
         let Some(color) = state_color(*state) else {
             continue;
         };
-        panel = panel.item(Item::BandX {
-            from: *from,
-            to,
-            color,
-            label: if named && first {
-                state_name(*state).to_owned()
-            } else {
-                String::new()
-            },
-        });
+        let label = if named && first {
+            state_name(*state)
+        } else {
+            ""
+        };
+        panel = panel.item(Item::new(label, color, Shape::BandX { from: *from, to }));
     }
     let every = trace.marks.len().div_ceil(MOST_MARKS).max(1);
     let faults = trace.marks.iter().filter(|(.., fault)| *fault).count();
@@ -259,16 +255,11 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
             NAMED_MARKS => format!("{} more", trace.marks.len() - i),
             _ => text.clone(),
         };
-        panel = panel.item(Item::MarkX {
-            x: *at,
-            label,
-            color: if *fault { Color::RED } else { Color::INK },
-            stroke: if *fault {
-                Stroke::Solid
-            } else {
-                Stroke::Dotted
-            },
-        });
+        let (color, stroke) = match fault {
+            true => (Color::RED, Stroke::Solid),
+            false => (Color::INK, Stroke::Dotted),
+        };
+        panel = panel.item(Item::new(label, color, Shape::MarkX { x: *at, stroke }));
     }
     panel
 }

@@ -2,7 +2,7 @@
 //! misfit over each parameter.
 
 use numerics::identify::{IdentifiedFit, MeasuredImpacts, beside};
-use plot::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel, Shape};
 use shared::model::contact::LawKind;
 
 /// Impacts whose force is drawn.
@@ -107,12 +107,11 @@ fn profile(fit: &IdentifiedFit, i: usize) -> Option<Panel> {
         ))
         .item(Item::mark_x("found", estimate.value * scale));
     for end in [estimate.low, estimate.high].into_iter().flatten() {
-        panel = panel.item(Item::MarkX {
+        let mark = Shape::MarkX {
             x: end * scale,
-            label: String::new(),
-            color: Color::GREY,
             stroke: plot::Stroke::Dotted,
-        });
+        };
+        panel = panel.item(Item::new("", Color::GREY, mark));
     }
     Some(panel)
 }

@@ -48,7 +48,7 @@ pub fn by_force(map: &Map) -> Figure {
     let bar = Bar::new("force ratio of 1/1, F/(m g)", 0.0, largest.max(1.0));
     let (x, y) = frame(map);
     let raster = Raster::values(x, y, map.grid.frequencies_hz.len(), &forces, bar);
-    figure(map, "force of z = 1/1").panel(axes().item(Item::Raster(raster)))
+    figure(map, "force of z = 1/1").panel(axes().item(Item::raster(raster)))
 }
 
 /// The regimes with points of another source over them (figure 3.25), each ringed in black and in its own colour.
@@ -116,7 +116,7 @@ pub fn differences(a: &Map, b: &Map, other: &str) -> Figure {
     let names = DIFFERENCES.map(|(name, color)| (name.to_owned(), color));
     let (x, y) = frame(a);
     let raster = Raster::categories(x, y, a.grid.frequencies_hz.len(), &names, &kinds);
-    figure(a, &format!("where {other} differs")).panel(axes().item(Item::Raster(raster)))
+    figure(a, &format!("where {other} differs")).panel(axes().item(Item::raster(raster)))
 }
 
 /// Name of the rig and how its cart is moved, for titles.
@@ -176,7 +176,7 @@ fn regime_panel(map: &Map) -> Panel {
     });
     let names: Vec<&str> = names.collect();
     let raster = regime_raster(x, y, map.grid.frequencies_hz.len(), names);
-    axes().item(Item::Raster(raster))
+    axes().item(Item::raster(raster))
 }
 
 #[cfg(test)]

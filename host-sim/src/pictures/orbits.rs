@@ -16,7 +16,7 @@ use numerics::continuation::{Along, Family, OrbitDiagram, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use numerics::orbit::Stability;
-use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Shape, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -134,13 +134,10 @@ pub fn figure(rig: &str, diagram: &OrbitDiagram, behind: &SimulatedPoints) -> Fi
     ];
     let clouds = [&behind.displacement_mm, &behind.force_ratio];
     for (panel, cloud) in panels.iter_mut().zip(clouds) {
-        let cloud = Item::Cloud {
-            points: cloud.clone(),
-            color: Color(0xa0, 0xa0, 0xa0),
-            label: "simulation".to_owned(),
-            dot: 1.4,
-        };
-        panel.items.push(cloud);
+        let points = cloud.clone();
+        let cloud = Shape::Cloud { points, dot: 1.4 };
+        let grey = Color(0xa0, 0xa0, 0xa0);
+        panel.items.push(Item::new("simulation", grey, cloud));
     }
     draw(diagram, &mut panels[0], &displacement);
     draw(diagram, &mut panels[1], &force);

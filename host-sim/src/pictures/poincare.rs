@@ -6,7 +6,7 @@ use numerics::NamedRig;
 use numerics::engine::RecordedSample;
 use numerics::poincare::against::SectionComparison;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, TRAJECTORY_PERIODS};
-use plot::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel, Shape};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";
@@ -40,12 +40,7 @@ fn by_contacts(points: &[SectionPoint], repeats: Option<u8>, dot: f64) -> Vec<It
             items.push(if points.len() <= FEW {
                 Item::points(label, color, some)
             } else {
-                Item::Cloud {
-                    points: some,
-                    color,
-                    label,
-                    dot,
-                }
+                Item::new(label, color, Shape::Cloud { points: some, dot })
             });
         }
     }
