@@ -15,72 +15,52 @@ pub struct ReadingQuantity {
     words: &'static str,
 }
 
+const fn quantity(
+    units: &'static [(&'static str, f64)],
+    range: (f64, f64),
+    words: &'static str,
+) -> ReadingQuantity {
+    ReadingQuantity {
+        units,
+        range,
+        words,
+    }
+}
+
 /// Weight of a body.
-pub const MASS: ReadingQuantity = ReadingQuantity {
-    units: &[("g", 1e-3), ("kg", 1.0)],
-    range: (1e-4, 1e5),
-    words: "0.1 g to 100000 kg",
-};
+pub const MASS: ReadingQuantity = quantity(
+    &[("g", 1e-3), ("kg", 1.0)],
+    (1e-4, 1e5),
+    "0.1 g to 100000 kg",
+);
 /// Length of the wires.
-pub const WIRE_LENGTH: ReadingQuantity = ReadingQuantity {
-    units: LENGTHS,
-    range: (1e-3, 100.0),
-    words: "1 mm to 100 m",
-};
+pub const WIRE_LENGTH: ReadingQuantity = quantity(LENGTHS, (1e-3, 100.0), "1 mm to 100 m");
 /// Stroke of the cart.
-pub const STROKE: ReadingQuantity = ReadingQuantity {
-    units: LENGTHS,
-    range: (2e-6, 0.2),
-    words: "0.002 mm to 200 mm",
-};
+pub const STROKE: ReadingQuantity = quantity(LENGTHS, (2e-6, 0.2), "0.002 mm to 200 mm");
 /// Clearance at rest; negative: the hammer is pressed against the surface.
-pub const GAP: ReadingQuantity = ReadingQuantity {
-    units: LENGTHS,
-    range: (-0.1, 0.1),
-    words: "-100 mm to 100 mm",
-};
+pub const GAP: ReadingQuantity = quantity(LENGTHS, (-0.1, 0.1), "-100 mm to 100 mm");
 /// Time of some swings.
-pub const SWING_TIME: ReadingQuantity = ReadingQuantity {
-    units: TIMES,
-    range: (0.1, 1e5),
-    words: "0.1 s to 100000 s",
-};
+pub const SWING_TIME: ReadingQuantity = quantity(TIMES, (0.1, 1e5), "0.1 s to 100000 s");
 /// Time of one contact.
-pub const CONTACT_TIME: ReadingQuantity = ReadingQuantity {
-    units: TIMES,
-    range: (1e-6, 1.0),
-    words: "0.001 ms to 1000 ms",
-};
+pub const CONTACT_TIME: ReadingQuantity = quantity(TIMES, (1e-6, 1.0), "0.001 ms to 1000 ms");
 /// A natural frequency: of the hammer, or of the shaker's position loop.
-pub const FREQUENCY: ReadingQuantity = ReadingQuantity {
-    units: &[("Hz", 1.0)],
-    range: (0.01, 1e4),
-    words: "0.01 Hz to 10000 Hz",
-};
+pub const FREQUENCY: ReadingQuantity = quantity(&[("Hz", 1.0)], (0.01, 1e4), "0.01 Hz to 10000 Hz");
 /// Largest force of the shaker.
-pub const FORCE: ReadingQuantity = ReadingQuantity {
-    units: &[("N", 1.0), ("kN", 1e3)],
-    range: (1e-3, 1e6),
-    words: "0.001 N to 1000 kN",
-};
+pub const FORCE: ReadingQuantity = quantity(
+    &[("N", 1.0), ("kN", 1e3)],
+    (1e-3, 1e6),
+    "0.001 N to 1000 kN",
+);
 /// A damping ratio of beams.
-pub const DAMPING_RATIO: ReadingQuantity = ReadingQuantity {
-    units: RATIOS,
-    range: (0.0, 0.99),
-    words: "0 to 0.99",
-};
+pub const DAMPING_RATIO: ReadingQuantity = quantity(RATIOS, (0.0, 0.99), "0 to 0.99");
 /// The damping ratio of a shaker's position loop.
-pub const LOOP_DAMPING: ReadingQuantity = ReadingQuantity {
-    units: RATIOS,
-    range: (0.0, 100.0),
-    words: "0 to 100",
-};
+pub const LOOP_DAMPING: ReadingQuantity = quantity(RATIOS, (0.0, 100.0), "0 to 100");
 /// A coefficient of restitution. At 0.14 a spring-dashpot is damped critically.
-pub const RESTITUTION: ReadingQuantity = ReadingQuantity {
-    units: RATIOS,
-    range: (0.14, 0.999),
-    words: "0.14 (a contact damped critically) to 0.999",
-};
+pub const RESTITUTION: ReadingQuantity = quantity(
+    RATIOS,
+    (0.14, 0.999),
+    "0.14 (a contact damped critically) to 0.999",
+);
 
 const LENGTHS: &[(&str, f64)] = &[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
 const TIMES: &[(&str, f64)] = &[("s", 1.0), ("ms", 1e-3)];
