@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::text::{decides, ending};
+use super::text::{decides, jumps, stable};
 use crate::cli::arguments::output::{OutputArgs, to_json};
 use crate::pictures::drawn;
 use crate::pictures::rop::figure;
@@ -195,6 +195,7 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
         String::new()
     };
     let own = rate(pick, g.rate_of_penetration_um_per_s);
+    let between = |from, to| format!("{} to {} Hz", hz(pick, from), hz(pick, to));
     let mut lines = vec![
         ("rate of penetration", format!("{own} µm/s{over}")),
         (
@@ -216,17 +217,8 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
             format!("{:.1} N, {:.1} times the weight", a.force_n, a.force_ratio),
         ),
         ("safe band", safe_band(pick)),
-        (
-            "stable 1/1",
-            format!(
-                "{} Hz ({}) to {} Hz ({})",
-                hz(pick, a.stable_one_one_hz[0]),
-                ending(a.stable_one_one_ends[0]),
-                hz(pick, a.stable_one_one_hz[1]),
-                ending(a.stable_one_one_ends[1])
-            ),
-        ),
-        ("jumps", jumps(pick)),
+        ("stable 1/1", stable(a, |at| hz(pick, at))),
+        ("jumps", jumps(a, "dig the same", between)),
         ("surface that stays", force_optimum(pick)),
         ("cart", cart(pick)),
     ];
@@ -314,23 +306,6 @@ fn safe_band(pick: &RopPick) -> String {
         hz(pick, low),
         hz(pick, high)
     )
-}
-
-fn jumps(pick: &RopPick) -> String {
-    match pick.answer.jump_range_hz {
-        None => "none: up and down sweeps across the stable 1/1 dig the same, and it does not fold"
-            .to_owned(),
-        Some([from, to]) => format!(
-            "{} to {} Hz, {} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
-            hz(pick, from),
-            hz(pick, to),
-            if pick.answer.jump_free_in_safe_band {
-                "not"
-            } else {
-                "also"
-            }
-        ),
-    }
 }
 
 fn force_optimum(pick: &RopPick) -> String {

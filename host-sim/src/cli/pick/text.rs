@@ -262,8 +262,6 @@ fn at_the_ends(a: &PickAnswer) -> String {
 }
 
 fn stability(a: &PickAnswer) -> Lines {
-    let [low, high] = a.stable_one_one_hz;
-    let [below, above] = a.stable_one_one_ends.map(ending);
     let digits = Digits::of(a);
     let others = digits.others;
     let worst = match a.uncertainty {
@@ -273,31 +271,8 @@ fn stability(a: &PickAnswer) -> Lines {
         ),
         None => String::new(),
     };
-    let jumps = match a.jump_range_hz {
-        None => {
-            "none: up and down sweeps across the stable 1/1 agree, and it does not fold".to_owned()
-        }
-        Some([from, to]) => {
-            let inside = if a.jump_free_in_safe_band {
-                "not"
-            } else {
-                "also"
-            };
-            format!(
-                "{}, {inside} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
-                jumping_at(from, to)
-            )
-        }
-    };
     vec![
-        (
-            "stable 1/1",
-            format!(
-                "{} Hz ({below}) to {} Hz ({above})",
-                digits.hz(low),
-                digits.hz(high)
-            ),
-        ),
+        ("stable 1/1", stable(a, |hz| digits.hz(hz))),
         (
             "multipliers",
             format!(
@@ -305,7 +280,7 @@ fn stability(a: &PickAnswer) -> Lines {
                 a.multipliers
             ),
         ),
-        ("jumps", jumps),
+        ("jumps", jumps(a, "agree", jumping_at)),
         (
             "at natural freq.",
             format!(
@@ -314,6 +289,31 @@ fn stability(a: &PickAnswer) -> Lines {
             ),
         ),
     ]
+}
+
+/// Between which frequencies, shown by `hz`, the nominal 1/1 is stable, and how it ends at each.
+pub(super) fn stable(a: &PickAnswer, hz: impl Fn(f64) -> String) -> String {
+    let [low, high] = a.stable_one_one_hz.map(hz);
+    let [below, above] = a.stable_one_one_ends.map(ending);
+    format!("{low} Hz ({below}) to {high} Hz ({above})")
+}
+
+/// Where the hammer jumps, as `between` says it of two frequencies, or that up and down sweeps `agree`.
+pub(super) fn jumps(a: &PickAnswer, agree: &str, between: impl Fn(f64, f64) -> String) -> String {
+    let Some([from, to]) = a.jump_range_hz else {
+        return format!(
+            "none: up and down sweeps across the stable 1/1 {agree}, and it does not fold"
+        );
+    };
+    let inside = if a.jump_free_in_safe_band {
+        "not"
+    } else {
+        "also"
+    };
+    format!(
+        "{}, {inside} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
+        between(from, to)
+    )
 }
 
 /// What the shaker must give, and what it gets for it.
