@@ -187,7 +187,16 @@ impl Trial {
         let held_n = verdict.force_ratio_mean.map(|ratio| ratio * rig.weight_n());
         let names = verdict.faults.iter().map(|fault| fault.name);
         Ok(TrialOutcome {
-            trial: self.clone(),
+            trial: self.trial,
+            rig: self.rig.name.clone(),
+            seed: self.seed,
+            natural_frequency_percent: self.natural_frequency_percent,
+            contact_stiffness_percent: self.contact_stiffness_percent,
+            contact_damping_percent: self.contact_damping_percent,
+            gap_offset_mm: self.gap_offset_mm,
+            force_gain_percent: self.force_gain_percent,
+            hammer_gain_percent: self.hammer_gain_percent,
+            cart_gain_percent: self.cart_gain_percent,
             hold_s: verdict.time_to_hold_s,
             held: summary.final_state() == State::Hold,
             force_share: verdict.force_share,
@@ -200,11 +209,20 @@ impl Trial {
     }
 }
 
-/// What became of a trial.
-#[derive(Clone, Debug, PartialEq)]
+/// A line of a table: a trial and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrialOutcome {
-    /// The trial that was run.
-    pub trial: Trial,
+    trial: u32,
+    /// What the controller believed in.
+    pub rig: String,
+    seed: u32,
+    natural_frequency_percent: f64,
+    contact_stiffness_percent: f64,
+    contact_damping_percent: f64,
+    gap_offset_mm: f64,
+    force_gain_percent: f64,
+    hammer_gain_percent: f64,
+    cart_gain_percent: f64,
     /// From the start to the first Hold, s.
     pub hold_s: Option<f64>,
     /// Whether it ended in Hold.
@@ -222,55 +240,6 @@ pub struct TrialOutcome {
     pub reseeks: u16,
     /// Names of the faults.
     pub faults: String,
-}
-
-/// A line of a table: a trial and what became of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TrialRow {
-    trial: u32,
-    rig: String,
-    seed: u32,
-    natural_frequency_percent: f64,
-    contact_stiffness_percent: f64,
-    contact_damping_percent: f64,
-    gap_offset_mm: f64,
-    force_gain_percent: f64,
-    hammer_gain_percent: f64,
-    cart_gain_percent: f64,
-    hold_s: Option<f64>,
-    held: bool,
-    force_share: Option<f64>,
-    force_share_at_amplitude: Option<f64>,
-    frequency_hz: Option<f64>,
-    optimum_frequency_hz: Option<f64>,
-    reseeks: u16,
-    faults: String,
-}
-
-impl From<&TrialOutcome> for TrialRow {
-    fn from(outcome: &TrialOutcome) -> Self {
-        let trial = &outcome.trial;
-        Self {
-            trial: trial.trial,
-            rig: trial.rig.name.clone(),
-            seed: trial.seed,
-            natural_frequency_percent: trial.natural_frequency_percent,
-            contact_stiffness_percent: trial.contact_stiffness_percent,
-            contact_damping_percent: trial.contact_damping_percent,
-            gap_offset_mm: trial.gap_offset_mm,
-            force_gain_percent: trial.force_gain_percent,
-            hammer_gain_percent: trial.hammer_gain_percent,
-            cart_gain_percent: trial.cart_gain_percent,
-            hold_s: outcome.hold_s,
-            held: outcome.held,
-            force_share: outcome.force_share,
-            force_share_at_amplitude: outcome.force_share_at_amplitude,
-            frequency_hz: outcome.frequency_hz,
-            optimum_frequency_hz: outcome.optimum_frequency_hz,
-            reseeks: outcome.reseeks,
-            faults: outcome.faults.clone(),
-        }
-    }
 }
 
 /// What became of all trials together: counts and quantiles.

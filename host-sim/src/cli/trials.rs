@@ -9,7 +9,7 @@ use super::arguments::output::OutputArgs;
 use crate::pictures::trials::figure;
 use crate::progress::ProgressLine;
 use emulator::trials::long::LongTrial;
-use emulator::trials::{Believed, Distribution, Trial, TrialOutcome, TrialRow, run_all};
+use emulator::trials::{Believed, Distribution, Trial, TrialOutcome, run_all};
 use files::range::within;
 use files::words::count;
 use files::{UserError, rigfile};
@@ -93,15 +93,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     progress.finish();
     let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
     let lines = lines(&names, &outcomes);
-    let rows: Vec<TrialRow> = outcomes.iter().map(TrialRow::from).collect();
     let answer = json!({
         "seed": args.seed,
         "seconds_s": seconds,
         "distributions": lines,
-        "trials": rows,
+        "trials": outcomes,
     });
     let picture = || output.picture(&figure(&names, &outcomes, seconds));
-    output.answer(&answer, &rows, picture, || {
+    output.answer(&answer, &outcomes, picture, || {
         text(outcomes.len(), seconds, args.seed, &lines)
     })
 }
@@ -109,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 /// Each rig that was tried, then all of them.
 fn lines(rigs: &[&str], outcomes: &[TrialOutcome]) -> Vec<Line> {
     let of = |rig: &str| {
-        let these = outcomes.iter().filter(|o| o.trial.rig.name == rig);
+        let these = outcomes.iter().filter(|o| o.rig == rig);
         Line {
             rig: rig.to_owned(),
             distribution: Distribution::of(&these.cloned().collect::<Vec<_>>()),

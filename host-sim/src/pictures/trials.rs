@@ -19,10 +19,7 @@ pub fn figure(rigs: &[&str], outcomes: &[TrialOutcome], seconds: f64) -> Figure 
     )
     .titled("how hard it strikes from Hold on");
     for (k, rig) in rigs.iter().copied().enumerate() {
-        let these: Vec<&TrialOutcome> = outcomes
-            .iter()
-            .filter(|o| o.trial.rig.name == rig)
-            .collect();
+        let these: Vec<&TrialOutcome> = outcomes.iter().filter(|o| o.rig == rig).collect();
         if these.is_empty() {
             continue;
         }
