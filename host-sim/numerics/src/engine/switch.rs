@@ -84,28 +84,14 @@ fn machine_in<R: Real + 'static>(
     frequency_hz: f64,
     section: [f64; 2],
 ) -> Result<Box<dyn Machine>, Error> {
-    let tick_s = setting.tick_s;
-    Ok(match setting.method {
-        Method::Corrected => Box::new(Switch::<R, _>::new(
-            Corrected,
-            params,
-            frequency_hz,
-            tick_s,
-            section,
-        )?),
+    match setting.method {
+        Method::Corrected => boxed::<R, _>(Corrected, setting, params, frequency_hz, section),
         Method::Banded {
             eta_alpha_m,
             eta_beta_n,
         } => {
             let band = Band::new(eta_alpha_m, eta_beta_n);
-            let stepper = Banded { band };
-            Box::new(Switch::<R, _>::new(
-                stepper,
-                params,
-                frequency_hz,
-                tick_s,
-                section,
-            )?)
+            boxed::<R, _>(Banded { band }, setting, params, frequency_hz, section)
         }
         Method::Smoothed {
             epsilon_alpha_m,
@@ -115,15 +101,20 @@ fn machine_in<R: Real + 'static>(
                 epsilon_alpha: R::from_f64(epsilon_alpha_m),
                 epsilon_beta: R::from_f64(epsilon_beta_n),
             };
-            Box::new(Switch::<R, _>::new(
-                stepper,
-                params,
-                frequency_hz,
-                tick_s,
-                section,
-            )?)
+            boxed::<R, _>(stepper, setting, params, frequency_hz, section)
         }
-    })
+    }
+}
+
+fn boxed<R: Real + 'static, S: Stepper<R> + 'static>(
+    stepper: S,
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+) -> Result<Box<dyn Machine>, Error> {
+    let switch = Switch::<R, S>::new(stepper, params, frequency_hz, setting.tick_s, section)?;
+    Ok(Box::new(switch))
 }
 
 /// The switch model with a stepper, run a drive period at a time.
