@@ -37,6 +37,13 @@ impl Solved {
             evaluations: 1,
         }
     }
+
+    /// The better of the two, this one if they are equal; what both computed.
+    pub fn or_better(self, other: Self) -> Self {
+        let evaluations = self.evaluations + other.evaluations;
+        let best = if other.cost < self.cost { other } else { self };
+        Self { evaluations, ..best }
+    }
 }
 
 /// What searches from several starts found.

@@ -148,9 +148,7 @@ fn search<'a>(
         for by in SHIFTS {
             let moved = shape.solve(&shape.shifted(&searched.best.x, by), &[], ROUNDS.0)?;
             searched.evaluations += moved.evaluations;
-            if moved.cost < searched.best.cost {
-                searched.best = moved;
-            }
+            searched.best = searched.best.or_better(moved);
         }
     }
     Some(Found {

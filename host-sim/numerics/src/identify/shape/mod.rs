@@ -283,7 +283,7 @@ impl<'a> ForceShape<'a> {
     /// The least near `x`, the coordinates `held` kept. Where the filter is too fast to be told from none, a little of it
     /// and another onset make up for each other, and there is more than one least: it is also sought from no filter.
     pub fn solve(&self, x: &[f64], held: &[usize], rounds: usize) -> Option<Solved> {
-        let mut best = self.solve_once(x, held, rounds)?;
+        let best = self.solve_once(x, held, rounds)?;
         let filter = self.laws() + FILTER;
         if self.shows_filter(&best.x) || held.contains(&filter) {
             return Some(best);
@@ -291,12 +291,7 @@ impl<'a> ForceShape<'a> {
         let mut sharp = best.x.clone();
         sharp[filter] = 0.0;
         let again = self.solve_once(&self.scanned(&sharp, true)?, held, rounds)?;
-        let evaluations = best.evaluations + again.evaluations;
-        if again.cost < best.cost {
-            best = again;
-        }
-        best.evaluations = evaluations;
-        Some(best)
+        Some(best.or_better(again))
     }
 
     /// Whether the record shows a filter at a point: if not, filter and onsets make up for each other.
@@ -339,11 +334,7 @@ impl<'a> ForceShape<'a> {
             }
             let again = least_squares::solve(self, &scanned, held, rounds)?;
             let done = again.cost > best.cost - 1e-3;
-            let evaluations = best.evaluations + again.evaluations;
-            if again.cost < best.cost {
-                best = again;
-            }
-            best.evaluations = evaluations;
+            best = best.or_better(again);
             if done {
                 break;
             }
