@@ -211,20 +211,7 @@ impl<C: ControlUnderTest, O: RunObserver> Run<C, O> {
                 continue;
             }
             self.happened(RunEventKind::Scenario { text: due.text });
-            match due.what {
-                Doing::Emergency(open, at_s) => self.world.set_emergency(open, at_s),
-                Doing::Defects(id, defects) => self.world.begin_defects(id, &defects),
-                Doing::DefectsOver(id) => self.world.end_defects(id),
-                Doing::Push(speed) => self.world.push(speed),
-                Doing::Drift(change, over_s) => {
-                    self.world.begin_drift(change, over_s);
-                }
-                Doing::Recede(recession) => self.world.recede(recession),
-                Doing::Stuck(how) => self.world.set_stuck(how),
-                Doing::Tilt(rad, over_s) => self.world.begin_tilt(rad, over_s),
-                Doing::Friction(friction) => self.world.set_friction(friction),
-                _ => {}
-            }
+            self.world.happen(due.what);
         }
     }
 

@@ -3,11 +3,11 @@
 use shared::io::{Frame, Output};
 use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
 
-use super::cart::Friction;
 use super::chain::EmergencyChain;
 use super::plant::Plant;
 use super::scenario::{RigChange, Scenario, Stuck};
-use super::sensors::{Defect, EmulatedSensor, Sensors};
+use super::schedule::Doing;
+use super::sensors::{EmulatedSensor, Sensors};
 use super::shaker::Smoother;
 use super::stuck::Habit;
 
@@ -175,61 +175,44 @@ impl World {
         self.receded_m += by;
     }
 
-    /// The emergency-stop chain opens or closes at `at_s`, within the next tick.
-    pub fn set_emergency(&mut self, open: bool, at_s: f64) {
-        self.chain.flip(open, at_s);
-    }
-
-    /// Sensors get defects, in the order of their codes; `id` ends them again.
-    pub fn begin_defects(&mut self, id: usize, defects: &[Option<Defect>; 3]) {
-        for (sensor, defect) in EmulatedSensor::ALL.into_iter().zip(defects) {
-            if let Some(defect) = defect {
-                self.sensors.begin(sensor, id, *defect);
+    /// An action of the scenario on the rig; one on the controller does nothing here. A drift or a tilt begins, and an
+    /// earlier one stops where it is.
+    pub fn happen(&mut self, what: Doing) {
+        let since_s = self.plant.time_s();
+        match what {
+            Doing::Emergency(open, at_s) => self.chain.flip(open, at_s),
+            Doing::Defects(id, defects) => {
+                for (sensor, defect) in EmulatedSensor::ALL.into_iter().zip(defects) {
+                    if let Some(defect) = defect {
+                        self.sensors.begin(sensor, id, defect);
+                    }
+                }
             }
+            Doing::DefectsOver(id) => self.sensors.end(id),
+            Doing::Push(speed_m_per_s) => self.plant.push(speed_m_per_s),
+            Doing::Drift(change, over_s) => {
+                self.drift = Some(Drift {
+                    change: (self.ground, change),
+                    since_s,
+                    over_s,
+                });
+            }
+            Doing::Recede(recession) => self.recession = recession,
+            Doing::Stuck(how) => self.stuck = how,
+            Doing::Tilt(to_rad, over_s) => {
+                self.tilt = Some(Drift {
+                    change: (self.tilt_rad, to_rad),
+                    since_s,
+                    over_s,
+                });
+            }
+            Doing::Friction(friction) => self.plant.set_friction(friction),
+            Doing::Command(_)
+            | Doing::Link(_)
+            | Doing::Overrun(_)
+            | Doing::Lost(_)
+            | Doing::Reset(_) => {}
         }
-    }
-
-    /// The defects of this `id` are over.
-    pub fn end_defects(&mut self, id: usize) {
-        self.sensors.end(id);
-    }
-
-    /// The drive no longer obeys its enable line, or does again.
-    pub fn set_stuck(&mut self, how: Option<Stuck>) {
-        self.stuck = how;
-    }
-
-    /// Changes the friction of the cart's guide.
-    pub fn set_friction(&mut self, friction: Option<Friction>) {
-        self.plant.set_friction(friction);
-    }
-
-    /// Changes the hammer's speed towards the surface by `speed_m_per_s`, at once.
-    pub fn push(&mut self, speed_m_per_s: f64) {
-        self.plant.push(speed_m_per_s);
-    }
-
-    /// The surface begins to recede, or ends.
-    pub fn recede(&mut self, recession: Option<Recession>) {
-        self.recession = recession;
-    }
-
-    /// Begins a change of the rig; an earlier one stops where it is.
-    pub fn begin_drift(&mut self, change: RigChange, over_s: f64) {
-        self.drift = Some(Drift {
-            change: (self.ground, change),
-            since_s: self.plant.time_s(),
-            over_s,
-        });
-    }
-
-    /// Begins to tilt the rig to an angle, rad.
-    pub fn begin_tilt(&mut self, to_rad: f64, over_s: f64) {
-        self.tilt = Some(Drift {
-            change: (self.tilt_rad, to_rad),
-            since_s: self.plant.time_s(),
-            over_s,
-        });
     }
 
     /// Goes on with the changes under way. One ends where the rig would become invalid.

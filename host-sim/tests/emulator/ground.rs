@@ -2,6 +2,7 @@
 
 use emulator::plant::Plant;
 use emulator::scenario::{RigChange, Scenario, ScenarioAct, parse};
+use emulator::schedule::Doing;
 use emulator::shaker::SetPointPath;
 use emulator::world::World;
 use shared::io::{DacCode, Output};
@@ -60,11 +61,13 @@ impl Driven {
 #[test]
 fn a_surface_recedes_by_the_energy_of_its_blows_and_by_time_and_no_further_than_it_may() {
     let mut driven = Driven::new(&scenario(""));
-    driven.world.recede(Some(emulator::world::Recession {
-        m_per_j: 2e-3,
-        m_per_s: 1e-6,
-        left_m: 0.4e-3,
-    }));
+    driven
+        .world
+        .happen(Doing::Recede(Some(emulator::world::Recession {
+            m_per_j: 2e-3,
+            m_per_s: 1e-6,
+            left_m: 0.4e-3,
+        })));
     let (mut energy, mut blows) = (0.0, 0);
     let mut last = 0.0;
     for k in 1..=400_000 {
@@ -133,7 +136,7 @@ fn a_stuck_drive_runs_on_or_keeps_its_power_and_a_whole_one_comes_to_rest() {
         let mut driven = Driven::new(&scenario(""));
         driven.sway(true);
         let before = driven.sway(true);
-        driven.world.set_stuck(how);
+        driven.world.happen(Doing::Stuck(how));
         driven.sway(false);
         let after = driven.sway(false);
         assert_eq!(driven.world.is_powered(), how.is_some(), "{how:?}");
@@ -153,7 +156,7 @@ fn a_stuck_drive_runs_on_or_keeps_its_power_and_a_whole_one_comes_to_rest() {
 #[test]
 fn a_tilt_comes_over_its_time_and_counts_as_a_clearance() {
     let mut world = World::new(&scenario("")).unwrap();
-    world.begin_tilt(-0.01, 2.0);
+    world.happen(Doing::Tilt(-0.01, 2.0));
     for _ in 0..60_000 {
         world.tick(&Output::SAFE);
         world.drift();

@@ -178,14 +178,15 @@ impl Rig {
     pub fn open_chain(&mut self) {
         let tick_s = 50e-6;
         let now_s = self.world.plant().time_s();
-        self.world.set_emergency(true, now_s + tick_s / 2.0);
+        self.world
+            .happen(Doing::Emergency(true, now_s + tick_s / 2.0));
         self.machine.set_pin(port::B, 5, Outside::High);
     }
 
     /// The emergency-stop chain closes.
     pub fn close_chain(&mut self) {
         let now_s = self.world.plant().time_s();
-        self.world.set_emergency(false, now_s);
+        self.world.happen(Doing::Emergency(false, now_s));
         self.machine.set_pin(port::B, 5, Outside::Low);
     }
 
@@ -199,7 +200,7 @@ impl Rig {
     /// A sampling tick begins: the plant is where the pins have brought it.
     fn sample(&mut self) {
         while let Some(due) = self.due.next_if(|due| due.tick <= self.tick) {
-            self.happen(due.what);
+            self.world.happen(due.what);
         }
         self.world.drift();
         let frame = self.world.tick(&self.output);
@@ -268,27 +269,6 @@ impl Rig {
             }
         }
         arrived
-    }
-
-    /// What the scenario does to the rig; what it does to the controller comes by the link.
-    fn happen(&mut self, what: Doing) {
-        let world = &mut self.world;
-        match what {
-            Doing::Emergency(open, at_s) => world.set_emergency(open, at_s),
-            Doing::Defects(id, defects) => world.begin_defects(id, &defects),
-            Doing::DefectsOver(id) => world.end_defects(id),
-            Doing::Push(speed) => world.push(speed),
-            Doing::Drift(change, over_s) => world.begin_drift(change, over_s),
-            Doing::Recede(recession) => world.recede(recession),
-            Doing::Stuck(how) => world.set_stuck(how),
-            Doing::Tilt(rad, over_s) => world.begin_tilt(rad, over_s),
-            Doing::Friction(friction) => world.set_friction(friction),
-            Doing::Command(_)
-            | Doing::Link(_)
-            | Doing::Overrun(_)
-            | Doing::Lost(_)
-            | Doing::Reset(_) => {}
-        }
     }
 }
 
