@@ -45,6 +45,10 @@ macro_rules! columns {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Col { $($id),* }
 
+        impl Col {
+            pub(super) const ALL: &[Self] = &[$(Self::$id),*];
+        }
+
         pub(super) const COLUMNS: &[Spec] = &[
             $(Spec { name: $name, kind: ColumnKind::$kind, fill: Fill::$fill }),*
         ];

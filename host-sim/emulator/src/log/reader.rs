@@ -165,20 +165,15 @@ impl Rows {
     }
 
     fn int(&mut self, col: Col) -> Option<i64> {
-        let cursor = &mut self.columns[col as usize];
-        let at = cursor.step()?;
-        match cursor.column.values() {
-            ColumnValues::Int(all) => all.get(at).map(|v| i64::from(*v)),
-            ColumnValues::Long(all) => all.get(at).copied(),
+        match self.cell(col) {
+            StatusCell::Int(value) => Some(value),
             _ => None,
         }
     }
 
     fn float(&mut self, col: Col) -> Option<f32> {
-        let cursor = &mut self.columns[col as usize];
-        let at = cursor.step()?;
-        match cursor.column.values() {
-            ColumnValues::Float(all) => all.get(at).copied(),
+        match self.cell(col) {
+            StatusCell::Float(value) => Some(value),
             _ => None,
         }
     }

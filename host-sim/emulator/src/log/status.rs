@@ -46,32 +46,14 @@ impl fmt::Display for StatusCell {
     }
 }
 
-/// The columns of a status, in the order of [`cells`]; the state comes first. Logs of versions before 5 lack the last,
-/// those before 4 the one before it too.
-pub(super) const STATUS: [Col; 22] = [
-    Col::State,
-    Col::StatusTick,
-    Col::Fault,
-    Col::FaultOrigin,
-    Col::FaultTick,
-    Col::FaultValue,
-    Col::FaultFrequency,
-    Col::Limits,
-    Col::Frequency,
-    Col::Amplitude,
-    Col::MeasuredAmplitude,
-    Col::Lag,
-    Col::Regime,
-    Col::Peak,
-    Col::Impulse,
-    Col::Target,
-    Col::TargetForce,
-    Col::Basin,
-    Col::Reseeks,
-    Col::Overruns,
-    Col::Episode,
-    Col::EventsDropped,
-];
+/// The columns of a status, in the order of [`cells`]: the state, then those from its tick to the last. Logs of versions
+/// before 5 lack the last, those before 4 the one before it too.
+pub(super) const STATUS: [Col; 22] = {
+    let mut columns = [Col::State; 22];
+    let (_, of_block) = Col::ALL.split_at(Col::StatusTick as usize);
+    columns.split_at_mut(1).1.copy_from_slice(of_block);
+    columns
+};
 
 /// The names of the cells of a status, with units, as the log's columns are called.
 pub fn names() -> [&'static str; STATUS.len()] {
