@@ -4,8 +4,9 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use emulator::cart::Mounting;
 use emulator::local::Local;
-use emulator::plant::Plant;
+use emulator::plant::{Plant, ShakerDrive};
 use emulator::run::run;
 use emulator::scenario::{Scenario, load, parse};
 use emulator::sensors::{SensorErrors, SensorParams, Sensors};
@@ -34,7 +35,13 @@ impl Running {
         let shaker = ShakerParams::default();
         let mut running = Self {
             rig,
-            plant: Plant::new(&rig, &shaker, TICK_S).expect("a preset"),
+            plant: Plant::mounted(
+                &rig,
+                &ShakerDrive::Shaker(shaker),
+                &Mounting::default(),
+                TICK_S,
+            )
+            .expect("a preset"),
             smoother: Smoother::new(&shaker, TICK_S),
             turns: 0.0,
         };

@@ -20,7 +20,7 @@ use super::motor::Motor;
 use super::record::TrueContact;
 #[doc(inline)]
 pub use super::shaker::ShakerDrive;
-use super::shaker::{Gains, Loop, SetPointPath, ShakerParams};
+use super::shaker::{Gains, Loop, SetPointPath};
 use rest::{rest, upright};
 
 /// Force samples per tick; also the steps per tick in contact, 5 µs each at 20 kHz.
@@ -66,33 +66,7 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// At rest, the drive off. A tick lasts `tick_s`.
-    ///
-    /// # Errors
-    /// The first parameter out of range.
-    pub fn new(params: &RigParams, shaker: &ShakerParams, tick_s: f64) -> Result<Self, ParamError> {
-        Self::mounted(
-            params,
-            &ShakerDrive::Shaker(*shaker),
-            &Mounting::default(),
-            tick_s,
-        )
-    }
-
-    /// At rest, the cart moved along the set-point whatever force that takes.
-    ///
-    /// # Errors
-    /// The first parameter out of range.
-    pub fn prescribed(params: &RigParams, tick_s: f64) -> Result<Self, ParamError> {
-        Self::mounted(
-            params,
-            &ShakerDrive::Prescribed,
-            &Mounting::default(),
-            tick_s,
-        )
-    }
-
-    /// At rest, moved by `drive`, with its cart mounted so.
+    /// At rest, the drive off, moved by `drive`, with its cart mounted so. A tick lasts `tick_s`.
     ///
     /// # Errors
     /// The first parameter out of range.

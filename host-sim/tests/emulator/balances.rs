@@ -1,12 +1,11 @@
 //! Momentum and energy of both bodies: what goes in comes out.
 
 use emulator::bodies::BodiesState;
-use emulator::plant::Plant;
 use emulator::shaker::{SetPointPath, ShakerParams};
 use shared::model::contact::{LAWS, Law, TABLE_3_1};
 use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams, Torque, WIRES};
 
-use crate::support::{TICK_S, sine};
+use crate::support::{TICK_S, shaken, sine};
 
 /// A shaker that is not there.
 fn no_shaker() -> ShakerParams {
@@ -34,7 +33,7 @@ fn free(contact: Law<f64>) -> RigParams {
 fn one_blow_between_free_bodies_moves_the_momentum_it_says() {
     for (name, law) in LAWS {
         let params = free(law);
-        let mut plant = Plant::new(&params, &no_shaker(), TICK_S).unwrap();
+        let mut plant = shaken(&params, &no_shaker(), TICK_S);
         let speed = 0.08;
         plant.set_state(BodiesState {
             q: -0.37 * TICK_S * speed,
@@ -71,7 +70,7 @@ fn one_blow_between_free_bodies_moves_the_momentum_it_says() {
 #[test]
 fn two_free_bodies_meet_as_their_reduced_mass_does_a_wall() {
     let params = free(TABLE_3_1);
-    let mut plant = Plant::new(&params, &no_shaker(), TICK_S).unwrap();
+    let mut plant = shaken(&params, &no_shaker(), TICK_S);
     plant.set_state(BodiesState {
         q: -1e-6,
         v: 0.08,
@@ -107,7 +106,7 @@ fn energy_and_momentum_balance_while_the_shaker_drives() {
     rigs.push(("wires, F l cos", corrected));
     for (name, params) in rigs {
         let hz = 1.9 * params.natural_frequency_hz();
-        let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
+        let mut plant = shaken(&params, &ShakerParams::default(), TICK_S);
         let energy = plant.bodies().energy_j(plant.state());
         let momentum = plant.bodies().momentum(plant.state());
         let mut blows = 0;
@@ -132,7 +131,7 @@ fn energy_and_momentum_balance_while_the_shaker_drives() {
 #[test]
 fn a_blow_changes_the_carts_speed_by_up_to_a_quarter() {
     let hz = 2.0 * WIRES.natural_frequency_hz();
-    let mut plant = Plant::new(&WIRES, &ShakerParams::default(), TICK_S).unwrap();
+    let mut plant = shaken(&WIRES, &ShakerParams::default(), TICK_S);
     let mut impulse = 0.0_f64;
     for k in 0..(60.0 / hz / TICK_S) as u64 {
         plant.tick(sine(&WIRES, hz, TICK_S, k), true);
@@ -151,12 +150,12 @@ fn a_push_changes_the_hammers_speed_and_an_idle_cart_comes_to_rest() {
         gap_m: 2.4e-3,
         ..WIRES
     };
-    let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
+    let mut plant = shaken(&params, &ShakerParams::default(), TICK_S);
     let momentum = plant.bodies().momentum(plant.state());
     plant.push(0.05);
     let gained = plant.bodies().momentum(plant.state()) - momentum;
     assert!((gained - params.mass_kg * 0.05).abs() < 1e-15);
-    let mut plant = Plant::new(&WIRES, &ShakerParams::default(), TICK_S).unwrap();
+    let mut plant = shaken(&WIRES, &ShakerParams::default(), TICK_S);
     for k in 0..40_000 {
         plant.tick(sine(&WIRES, 3.6, TICK_S, k), k < 20_000);
     }

@@ -16,7 +16,13 @@ pub fn ran(scenario: &Scenario) -> RunSummary {
 /// The verdict, the optimum left out where nothing asks for it.
 pub fn verdict(scenario: &Scenario) -> Verdict {
     let summary = ran(scenario);
-    if scenario.expect.asks_for_the_optimum() {
+    let expect = &scenario.expect;
+    let shares = [
+        expect.min_force_share,
+        expect.max_force_share,
+        expect.min_share_from_start,
+    ];
+    if shares.iter().any(Option::is_some) {
         judge(scenario, &summary)
     } else {
         judge_by(scenario, &summary, Best::default())

@@ -9,7 +9,7 @@ use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::params::{BEAM_150, RigParams, WIRES};
 use shared::model::slider::Slider;
 
-use crate::support::{TICK_S, contacts, on_the_sine, rest};
+use crate::support::{TICK_S, contacts, on_the_sine, prescribed, rest, shaken};
 
 /// Drive periods; the hammer is in flight at their end.
 const PERIODS: u32 = 12;
@@ -84,7 +84,7 @@ fn assert_alike(plant: Plant, params: &RigParams, hz: f64, threshold: f64) {
 fn the_plant_drills_what_the_integrator_drills() {
     for (params, ratio, threshold) in points() {
         let hz = ratio * params.natural_frequency_hz();
-        let plant = Plant::prescribed(&params, TICK_S).unwrap();
+        let plant = prescribed(&params, TICK_S);
         assert_alike(plant, &params, hz, threshold);
     }
 }
@@ -101,7 +101,7 @@ fn with_a_cart_that_recoils_too() {
                 force_n: f64::INFINITY,
                 ..ShakerParams::default()
             };
-            let plant = Plant::new(&params, &shaker, TICK_S).unwrap();
+            let plant = shaken(&params, &shaker, TICK_S);
             let cart = CartDrive::Loop(LoopParams {
                 frequency_hz: loop_hz,
                 damping_ratio: loop_damping_ratio,

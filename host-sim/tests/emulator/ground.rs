@@ -1,6 +1,5 @@
 //! Ground that changes and a drive that does not obey: what events do to the world, against what they say.
 
-use emulator::plant::Plant;
 use emulator::scenario::{RigChange, Scenario, ScenarioAct, parse};
 use emulator::schedule::Doing;
 use emulator::shaker::SetPointPath;
@@ -11,7 +10,7 @@ use shared::model::params::{RigParams, WIRES};
 use std::f64::consts::TAU;
 
 use crate::mounting::free_hammer;
-use crate::support::TICK_S;
+use crate::support::{TICK_S, prescribed};
 
 fn scenario(more: &str) -> Scenario {
     let text = format!("duration_s = 60.0\n[true_rig]\npreset = \"wires\"\n{more}");
@@ -107,7 +106,7 @@ fn a_surface_comes_to_rebound_as_it_is_told_to() {
         }
         let rebound = |share: f64| {
             let rig = change.apply(&rig, share);
-            let mut plant = Plant::prescribed(&rig, TICK_S).unwrap();
+            let mut plant = prescribed(&rig, TICK_S);
             plant.set_state(emulator::bodies::BodiesState {
                 q: -1e-6,
                 v: 0.08,

@@ -10,7 +10,7 @@ use shared::model::params::{BEAM_150, RigParams, WIRES};
 use std::f64::consts::TAU;
 
 use crate::mounting::{free_hammer, missing_j};
-use crate::support::{TICK_S, on_the_sine, rest, sine};
+use crate::support::{TICK_S, on_the_sine, prescribed, rest, sine};
 
 fn plant(params: &RigParams, motor: &MotorParams, mounting: &Mounting) -> Plant {
     Plant::mounted(params, &ShakerDrive::Motor(*motor), mounting, TICK_S).unwrap()
@@ -31,7 +31,7 @@ fn a_heavy_flywheel_prescribes_the_motion() {
             u: TAU * hz,
             ..start
         });
-        let mut led = Plant::prescribed(&params, TICK_S).unwrap();
+        let mut led = prescribed(&params, TICK_S);
         led.set_state(start);
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for k in 0..(10.0 / hz / TICK_S) as u64 {

@@ -2,7 +2,6 @@
 
 use emulator::local::Local;
 use emulator::optimum::{held_force, prescribed};
-use emulator::plant::Plant;
 use emulator::record::{BlockRow, RunEvent, RunEventKind, RunObserver, TickRow};
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
@@ -11,7 +10,7 @@ use emulator::verdict::{Best, judge_by};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::params::BEAM_150;
 
-use crate::support::TICK_S;
+use crate::support::{self, TICK_S};
 
 const SHORT: &str = "duration_s = 12.0\n[true_rig]\npreset = \"wires\"\n";
 
@@ -240,7 +239,7 @@ impl RunObserver for Onsets {
 fn the_plants_own_force_search_gives_the_references_orbit_when_motion_is_prescribed() {
     let rig = BEAM_150;
     let (_, top) = prescribed(&rig).unwrap();
-    let plant = Plant::prescribed(&rig, TICK_S).unwrap();
+    let plant = support::prescribed(&rig, TICK_S);
     let force_n = held_force(plant, &rig, top.frequency_hz, top.section).unwrap();
     let off = force_n / top.force_n - 1.0;
     assert!(off.abs() < 1e-6, "{off:.1e}");

@@ -1,6 +1,5 @@
 //! Sensors and lines: what the controller gets to see.
 
-use emulator::plant::Plant;
 use emulator::sensors::{
     BadContactEnd, Defect, EmulatedSensor, SensorErrors, SensorParams, Sensors,
 };
@@ -10,7 +9,7 @@ use shared::io::{AdcCode, Reading};
 use shared::model::params::{RigParams, WIRES};
 use shared::settings::Settings;
 
-use crate::support::{TICK_S, on_the_sine, rest, sine};
+use crate::support::{TICK_S, on_the_sine, prescribed, rest, shaken, sine};
 
 fn noiseless(settings: &Settings, params: SensorParams) -> Sensors {
     Sensors::new(&params, settings, TICK_S, 1)
@@ -43,7 +42,7 @@ fn a_still_rig_reads_its_calibration_with_offset_and_gain_error() {
         ..WIRES
     };
     let settings = Settings::for_rig(&params);
-    let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
+    let mut plant = shaken(&params, &ShakerParams::default(), TICK_S);
     plant.set_state(on_the_sine(&params, 1e-6, rest(&params) - 0.02, 0.0));
     let errors = SensorParams {
         hammer: SensorErrors {
@@ -72,7 +71,7 @@ fn a_still_rig_reads_its_calibration_with_offset_and_gain_error() {
 #[test]
 fn each_defect_shows_as_itself_and_goes() {
     let settings = Settings::for_rig(&WIRES);
-    let plant = Plant::new(&WIRES, &ShakerParams::default(), TICK_S).unwrap();
+    let plant = shaken(&WIRES, &ShakerParams::default(), TICK_S);
     let noisy = SensorErrors {
         noise: 20e-6,
         ..SensorErrors::default()
@@ -108,7 +107,7 @@ fn each_defect_shows_as_itself_and_goes() {
 fn the_surface_rings_at_half_the_peak_and_dies_away() {
     let settings = Settings::for_rig(&WIRES);
     let hz = 2.0 * WIRES.natural_frequency_hz();
-    let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
+    let mut plant = prescribed(&WIRES, TICK_S);
     plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
     let mut sensors = noiseless(&settings, SensorParams::default());
     let (mut largest, mut lowest, mut since) = (0.0_f64, 0.0_f64, None::<u64>);
@@ -148,7 +147,7 @@ fn hammer_reads(defects: &[Defect], ticks: usize) -> Vec<f64> {
         ..WIRES
     };
     let settings = Settings::for_rig(&params);
-    let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
+    let mut plant = shaken(&params, &ShakerParams::default(), TICK_S);
     let mut sensors = noiseless(&settings, SensorParams::default());
     let state = on_the_sine(&params, 0.0, rest(&params) + 1e-3 / 0.075, 0.0);
     // The filter settles before the defects come.
@@ -223,7 +222,7 @@ fn a_late_sensor_reads_what_was_so_many_ticks_before() {
     let settings = Settings::for_rig(&WIRES);
     let hz = 2.0 * WIRES.natural_frequency_hz();
     let run = |late: Option<u32>| {
-        let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
+        let mut plant = prescribed(&WIRES, TICK_S);
         plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
         let mut sensors = noiseless(&settings, SensorParams::default());
         if let Some(ticks) = late {
@@ -244,7 +243,7 @@ fn a_late_sensor_reads_what_was_so_many_ticks_before() {
 #[test]
 fn a_delay_that_drifts_grows_from_none_by_its_rate() {
     let settings = Settings::for_rig(&WIRES);
-    let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
+    let mut plant = prescribed(&WIRES, TICK_S);
     let mut sensors = [0, 1].map(|_| noiseless(&settings, SensorParams::default()));
     // 1 ms in half a second.
     sensors[1].begin(EmulatedSensor::Cart, 7, Defect::DelayDrift(2e-3));

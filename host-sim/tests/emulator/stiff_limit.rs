@@ -1,6 +1,5 @@
 //! Prescribed motion, and the two bodies on their way to it, against the reference.
 
-use emulator::plant::Plant;
 use emulator::record::TrueContact;
 use emulator::shaker::ShakerParams;
 use numerics::orbit::shoot;
@@ -10,7 +9,7 @@ use shared::model::contacts::Period;
 use shared::model::params::{BEAM_135, BEAM_150, RigParams, WIRES};
 use shared::model::regime::{Detector, Regime};
 
-use crate::support::{TICK_S, contacts, on_the_sine, rest, sine};
+use crate::support::{TICK_S, contacts, on_the_sine, prescribed, rest, shaken, sine};
 
 /// Rig, ratio Ω/ω: 1/1 at both ends of its band, several contacts per cycle, a doubling, gaps.
 fn points() -> Vec<(&'static str, RigParams, f64)> {
@@ -33,7 +32,7 @@ fn points() -> Vec<(&'static str, RigParams, f64)> {
 fn prescribed_motion_is_the_references() {
     for (name, params, ratio) in points() {
         let hz = ratio * params.natural_frequency_hz();
-        let mut plant = Plant::prescribed(&params, TICK_S).unwrap();
+        let mut plant = prescribed(&params, TICK_S);
         plant.set_state(on_the_sine(&params, hz, rest(&params), 0.0));
         let seen = contacts(&mut plant, &params, hz, TICK_S, 25.0 / hz);
         let mut truth = Vec::<reference::LocatedContact>::new();
@@ -83,7 +82,7 @@ fn a_cart_that_recoils_is_the_references() {
                 force_n: f64::INFINITY,
                 ..ShakerParams::default()
             };
-            let mut plant = Plant::new(&params, &shaker, TICK_S).unwrap();
+            let mut plant = shaken(&params, &shaker, TICK_S);
             plant.set_state(on_the_sine(&params, hz, rest(&params), 0.0));
             let seen = contacts(&mut plant, &params, hz, TICK_S, 25.0 / hz);
             let mut truth = Vec::<reference::LocatedContact>::new();
@@ -116,7 +115,7 @@ fn regime_of_plant(params: &RigParams, hz: f64) -> Regime {
     // Whole ticks per period, so that the section falls on ticks.
     let per_period = (1.0 / (hz * TICK_S)).round();
     let tick_s = 1.0 / (hz * per_period);
-    let mut plant = Plant::prescribed(params, tick_s).unwrap();
+    let mut plant = prescribed(params, tick_s);
     plant.set_state(on_the_sine(params, hz, rest(params), 0.0));
     let scale = plant.bodies().rig.coordinate_scale();
     let mut detector = Detector::new(scale, scale * std::f64::consts::TAU * hz);
@@ -167,7 +166,7 @@ fn second_contact(params: &RigParams, hz: f64, section: [f64; 2], loop_hz: f64) 
         force_n: f64::INFINITY,
         ..ShakerParams::default()
     };
-    let mut plant = Plant::new(params, &shaker, tick_s).unwrap();
+    let mut plant = shaken(params, &shaker, tick_s);
     plant.set_state(on_the_sine(params, hz, section[0], section[1]));
     let seen = contacts(&mut plant, params, hz, tick_s, 2.0 / hz);
     assert_eq!(seen.len(), 2);

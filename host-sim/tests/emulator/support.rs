@@ -3,14 +3,27 @@
 use std::f64::consts::TAU;
 
 use emulator::bodies::BodiesState;
-use emulator::plant::Plant;
+use emulator::cart::Mounting;
+use emulator::plant::{Plant, ShakerDrive};
 use emulator::record::TrueContact;
-use emulator::shaker::SetPointPath;
+use emulator::shaker::{SetPointPath, ShakerParams};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 /// The controller's tick, s.
 pub const TICK_S: f64 = 50e-6;
+
+/// At rest, moved by `shaker`.
+pub fn shaken(params: &RigParams, shaker: &ShakerParams, tick_s: f64) -> Plant {
+    let drive = ShakerDrive::Shaker(*shaker);
+    Plant::mounted(params, &drive, &Mounting::default(), tick_s).unwrap()
+}
+
+/// At rest, the cart moved along the set-point whatever force that takes.
+pub fn prescribed(params: &RigParams, tick_s: f64) -> Plant {
+    let mounting = Mounting::default();
+    Plant::mounted(params, &ShakerDrive::Prescribed, &mounting, tick_s).unwrap()
+}
 
 /// The cart's course y = A0 sin Ωt over tick `k` of `tick_s`.
 pub fn sine(params: &RigParams, frequency_hz: f64, tick_s: f64, k: u64) -> SetPointPath {

@@ -110,15 +110,3 @@ pub struct Expect {
     /// Least rate of penetration from the first Hold on, µm/s, into ground that gives way.
     pub min_progress_um_per_s: Option<f64>,
 }
-
-impl Expect {
-    /// Whether the verdict needs the true rig's optimum.
-    pub fn asks_for_the_optimum(&self) -> bool {
-        let shares = [
-            self.min_force_share,
-            self.max_force_share,
-            self.min_share_from_start,
-        ];
-        shares.iter().any(Option::is_some)
-    }
-}
