@@ -129,23 +129,4 @@ impl<R: Scalar> Drill<R> {
     pub fn energies(&self) -> Energies {
         self.energies
     }
-
-    /// Energy of the bit and that stored between it and the hammer now, J: 0 without one.
-    pub fn bit_energy_now_j(&self) -> (f64, f64) {
-        let Some(bit) = &self.bit else {
-            return (0.0, 0.0);
-        };
-        let [_, w] = self.point.bit;
-        let [x, _] = self.flow().into_bit(&self.point);
-        let stored = bit.stored_energy(x).to_f64();
-        let moving = bit.kinetic_energy(w).to_f64();
-        (moving, if self.struck { stored } else { 0.0 })
-    }
-
-    /// Energy of the body and that stored in the ground now, J.
-    pub fn energy_now_j(&self) -> (f64, f64) {
-        let p = &self.point;
-        let stored = self.slider.stored_energy(p.e).to_f64();
-        (self.body.energy(p.q, p.v), stored)
-    }
 }

@@ -21,6 +21,27 @@ fn rock(threshold: f64) -> Slider<f64> {
     }
 }
 
+impl Drill<f64> {
+    /// Energy of the bit and that stored between it and the hammer now, J: 0 without one.
+    fn bit_energy_now_j(&self) -> (f64, f64) {
+        let Some(bit) = &self.bit else {
+            return (0.0, 0.0);
+        };
+        let [_, w] = self.point.bit;
+        let [x, _] = self.flow().into_bit(&self.point);
+        let stored = bit.stored_energy(x);
+        let moving = bit.kinetic_energy(w);
+        (moving, if self.struck { stored } else { 0.0 })
+    }
+
+    /// Energy of the body and that stored in the ground now, J.
+    fn energy_now_j(&self) -> (f64, f64) {
+        let p = &self.point;
+        let stored = self.slider.stored_energy(p.e);
+        (self.body.energy(p.q, p.v), stored)
+    }
+}
+
 const PLAN: DrillPlan = DrillPlan {
     settle: 300,
     recorded: 16,

@@ -42,7 +42,10 @@ impl Solved {
     pub fn or_better(self, other: Self) -> Self {
         let evaluations = self.evaluations + other.evaluations;
         let best = if other.cost < self.cost { other } else { self };
-        Self { evaluations, ..best }
+        Self {
+            evaluations,
+            ..best
+        }
     }
 }
 
