@@ -56,24 +56,25 @@ impl GapRow {
     /// The row of a gap of the rig `rig`.
     fn new(rig: &str, at: &AtGap) -> Self {
         let pick = at.pick.as_ref().ok();
-        let jump = pick.and_then(|p| p.jump_range_hz);
+        let answer = pick.map(|p| &p.answer);
+        let jump = answer.and_then(|a| a.jump_range_hz);
         let basin = pick.and_then(|p| p.basin);
         Self {
             rig: rig.to_owned(),
             gap_mm: at.gap_mm,
             gap_over_amplitude: at.gap_over_amplitude,
-            operating_frequency_hz: pick.map(|p| p.operating_frequency_hz),
-            frequency_ratio: pick.map(|p| p.frequency_ratio),
-            force_ratio: pick.map(|p| p.force_ratio),
-            largest_force_ratio: pick.map(|p| p.largest_force_ratio),
-            safe_band_low_hz: pick.map(|p| p.safe_band_hz[0]),
-            safe_band_high_hz: pick.map(|p| p.safe_band_hz[1]),
+            operating_frequency_hz: answer.map(|a| a.operating_frequency_hz),
+            frequency_ratio: answer.map(|a| a.frequency_ratio),
+            force_ratio: answer.map(|a| a.force_ratio),
+            largest_force_ratio: answer.map(|a| a.nominal_optimum_force_ratio),
+            safe_band_low_hz: answer.map(|a| a.safe_band_hz[0]),
+            safe_band_high_hz: answer.map(|a| a.safe_band_hz[1]),
             safe_band_percent: pick.map(|p| p.safe_band_percent()),
-            multiplier: pick.map(|p| p.multiplier),
-            jumps: pick.map(|p| !p.jump_free),
+            multiplier: answer.map(|a| a.multipliers),
+            jumps: answer.map(|a| !a.jump_free),
             jump_low_hz: jump.map(|range| range[0]),
             jump_high_hz: jump.map(|range| range[1]),
-            from_rest: pick.map(|p| p.from_rest.to_string()),
+            from_rest: answer.map(|a| a.regime_from_rest.to_string()),
             basin_share: basin.map(|s| s.value()),
             basin_share_low: basin.map(|s| s.low),
             basin_share_high: basin.map(|s| s.high),
@@ -212,19 +213,31 @@ mod tests {
     use numerics::Error;
     use numerics::basins::SampledShare;
     use numerics::pick::gaps::GapPick;
-    use shared::model::regime::Regime;
+    use numerics::pick::{PickAnswer, Springs, pick_on};
+    use numerics::{NamedRig, PickLimits};
+    use shared::model::params::WIRES;
+    use std::sync::LazyLock;
+
+    /// What the made-up answers have in all else.
+    static PICKED: LazyLock<PickAnswer> = LazyLock::new(|| {
+        let rig = NamedRig::new("wires", WIRES);
+        let limits = PickLimits::default();
+        let found = pick_on(&rig, Springs::default(), None, limits, &());
+        found.unwrap().answer
+    });
 
     fn made_up(gap_mm: f64, force: f64, jumps: bool, basin: u64) -> GapRow {
-        let pick = GapPick {
+        let answer = PickAnswer {
             operating_frequency_hz: 10.0,
-            frequency_ratio: 2.0,
             force_ratio: force,
-            largest_force_ratio: force,
+            nominal_optimum_force_ratio: force,
             safe_band_hz: [9.5, 10.5],
-            multiplier: 0.3,
             jump_free: !jumps,
             jump_range_hz: None,
-            from_rest: Regime::None,
+            ..PICKED.clone()
+        };
+        let pick = GapPick {
+            answer,
             basin: Some(SampledShare::wilson(basin, 10)),
             silent: None,
         };

@@ -1,9 +1,7 @@
 //! Which gap to run at: the pick of every gap beside the others, with the share of starts that get onto the
 //! orbit picked.
 
-use shared::model::regime::Regime;
-
-use super::{Pick, Springs, pick_on, steps};
+use super::{Pick, PickAnswer, Springs, pick_on, steps};
 use crate::basins::start::{self, BasinDrive, Fate, StartWindow};
 use crate::basins::{BasinsRequest, SampledShare};
 use crate::engine::Engine;
@@ -20,7 +18,7 @@ const ON_ORBIT: f64 = 0.05;
 const FORCE_SHARE: f64 = 0.8;
 
 /// A gap, and the operating point there.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct AtGap {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
@@ -30,27 +28,11 @@ pub struct AtGap {
     pub pick: Result<GapPick, Error>,
 }
 
-/// The operating point at a gap.
-#[derive(Clone, Debug, PartialEq)]
+/// The operating point at a gap, and what leads to it.
+#[derive(Clone, Debug)]
 pub struct GapPick {
-    /// The frequency to run at, Hz.
-    pub operating_frequency_hz: f64,
-    /// Operating frequency over the natural frequency.
-    pub frequency_ratio: f64,
-    /// Contact force over m g there.
-    pub force_ratio: f64,
-    /// Force ratio of the strongest stable 1/1 of the nominal rig, no limits.
-    pub largest_force_ratio: f64,
-    /// The safe band, Hz: 1/1 stable over the uncertainty, force above 90 %, limits kept.
-    pub safe_band_hz: [f64; 2],
-    /// Largest modulus of a multiplier at the operating point.
-    pub multiplier: f64,
-    /// Whether the hammer never jumps: up and down sweeps across the stable 1/1 agree, and it does not end in a fold.
-    pub jump_free: bool,
-    /// The lowest and the highest frequency at which it jumps, Hz.
-    pub jump_range_hz: Option<[f64; 2]>,
-    /// The regime a run from rest settles on at the operating frequency.
-    pub from_rest: Regime,
+    /// The operating point, with all that tables and text say of it.
+    pub answer: PickAnswer,
     /// Share of the starts that end on the orbit picked; `None` without starts.
     pub basin: Option<SampledShare>,
     /// Share of the starts that end without impact; `None` without starts.
@@ -60,13 +42,13 @@ pub struct GapPick {
 impl GapPick {
     /// Width of the safe band over the operating frequency, %.
     pub fn safe_band_percent(&self) -> f64 {
-        let [low, high] = self.safe_band_hz;
-        100.0 * (high - low) / self.operating_frequency_hz
+        let [low, high] = self.answer.safe_band_hz;
+        100.0 * (high - low) / self.answer.operating_frequency_hz
     }
 }
 
 /// The gaps beside each other, and the one advised.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct GapAdvice {
     /// Name of the rig.
     pub rig: String,
@@ -111,7 +93,7 @@ pub fn advise(
     let mut gaps = Vec::with_capacity(rigs.len());
     for rig in &rigs {
         let found = match pick_on(rig, springs, uncertainty, limits, progress) {
-            Ok(found) => Ok(gap_pick(rig, &found, starts, seed, progress)?),
+            Ok(found) => Ok(gap_pick(rig, found, starts, seed, progress)?),
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(why) => Err(why),
         };
@@ -134,28 +116,19 @@ pub fn advise(
 
 fn gap_pick(
     rig: &NamedRig,
-    found: &Pick,
+    found: Pick,
     starts: u32,
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<GapPick, Error> {
-    let a = &found.answer;
-    let hz = a.operating_frequency_hz;
+    let hz = found.answer.operating_frequency_hz;
     let fates = fates(rig, hz, starts, seed, progress)?;
     let share = |is: &dyn Fn(&Fate) -> bool| {
         let count = fates.iter().filter(|fate| is(fate)).count();
         SampledShare::wilson(count as u64, fates.len() as u64)
     };
     Ok(GapPick {
-        operating_frequency_hz: hz,
-        frequency_ratio: a.frequency_ratio,
-        force_ratio: a.force_ratio,
-        largest_force_ratio: a.nominal_optimum_force_ratio,
-        safe_band_hz: a.safe_band_hz,
-        multiplier: a.multipliers,
-        jump_free: a.jump_free,
-        jump_range_hz: a.jump_range_hz,
-        from_rest: a.regime_from_rest,
+        answer: found.answer,
         basin: (starts > 0).then(|| share(&|fate| ends_on(fate, found.section))),
         silent: (starts > 0).then(|| share(&|fate| !fate.impacts())),
     })
@@ -200,13 +173,13 @@ fn advised(gaps: &[AtGap]) -> Option<usize> {
         .collect();
     let largest = picked
         .iter()
-        .map(|(_, p)| p.force_ratio)
+        .map(|(_, p)| p.answer.force_ratio)
         .fold(0.0, f64::max);
-    let strong = |p: &GapPick| p.force_ratio >= FORCE_SHARE * largest;
-    let calm = picked.iter().any(|(_, p)| strong(p) && p.jump_free);
+    let strong = |p: &GapPick| p.answer.force_ratio >= FORCE_SHARE * largest;
+    let calm = picked.iter().any(|(_, p)| strong(p) && p.answer.jump_free);
     let among = picked
         .into_iter()
-        .filter(|(_, p)| strong(p) && (p.jump_free || !calm));
+        .filter(|(_, p)| strong(p) && (p.answer.jump_free || !calm));
     let key = |p: &GapPick| (p.basin.map_or(0.0, |s| s.value()), p.safe_band_percent());
     let best = among.reduce(|best, next| {
         let (a, b) = (key(best.1), key(next.1));
@@ -221,23 +194,31 @@ fn advised(gaps: &[AtGap]) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use super::*;
     use shared::model::params::WIRES;
+
+    /// What the made-up answers have in all else.
+    static PICKED: LazyLock<PickAnswer> = LazyLock::new(|| {
+        let rig = NamedRig::new("wires", WIRES);
+        let limits = PickLimits::default();
+        let found = pick_on(&rig, Springs::default(), None, limits, &());
+        found.unwrap().answer
+    });
 
     fn made_up(gap_mm: f64, force: f64, jumps: bool, basin: u64) -> AtGap {
         AtGap {
             gap_mm,
             gap_over_amplitude: gap_mm,
             pick: Ok(GapPick {
-                operating_frequency_hz: 10.0,
-                frequency_ratio: 2.0,
-                force_ratio: force,
-                largest_force_ratio: force,
-                safe_band_hz: [9.5, 10.5],
-                multiplier: 0.3,
-                jump_free: !jumps,
-                jump_range_hz: None,
-                from_rest: Regime::None,
+                answer: PickAnswer {
+                    operating_frequency_hz: 10.0,
+                    force_ratio: force,
+                    safe_band_hz: [9.5, 10.5],
+                    jump_free: !jumps,
+                    ..PICKED.clone()
+                },
                 basin: Some(SampledShare::wilson(basin, 10)),
                 silent: None,
             }),
@@ -277,7 +258,7 @@ mod tests {
         .unwrap();
         assert_eq!(found.advised, Some(0), "{found:?}");
         let [none, large] = [0, 1].map(|i| found.gaps[i].pick.as_ref().unwrap());
-        assert!(none.jump_free && !large.jump_free);
+        assert!(none.answer.jump_free && !large.answer.jump_free);
         assert_eq!(none.basin.unwrap().value(), 1.0);
         assert!(none.safe_band_percent() > large.safe_band_percent());
         let bad = advise(
@@ -296,7 +277,7 @@ mod tests {
         let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
         let mut wide = made_up(1.0, 10.0, false, 5);
         if let Ok(pick) = &mut wide.pick {
-            pick.safe_band_hz = [9.4, 10.5];
+            pick.answer.safe_band_hz = [9.4, 10.5];
         }
         let narrow = |gap_mm: f64| made_up(gap_mm, 10.0, false, 5);
         assert_eq!(at(&[narrow(0.0), wide.clone()]), Some(1.0));
