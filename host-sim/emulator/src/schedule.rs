@@ -55,18 +55,11 @@ pub enum Doing {
 impl Doing {
     /// Whether it acts on the rig, then at its very tick; all others act on the controller, between blocks.
     pub fn is_physical(&self) -> bool {
-        matches!(
+        let on_the_controller = matches!(
             self,
-            Self::Emergency(..)
-                | Self::Defects(..)
-                | Self::DefectsOver(_)
-                | Self::Push(_)
-                | Self::Drift(..)
-                | Self::Recede(_)
-                | Self::Stuck(_)
-                | Self::Tilt(..)
-                | Self::Friction(_)
-        )
+            Self::Command(_) | Self::Link(_) | Self::Overrun(_) | Self::Lost(_) | Self::Reset(_)
+        );
+        !on_the_controller
     }
 }
 
