@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use numerics::engine::Engine;
-use numerics::lanes::{Cell, CellOutcome, CellPlan, Instructions, by_engine, run_with};
+use numerics::lanes::{Cell, CellOutcome, CellPlan, Instructions, each_by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::contact::LawKind;
@@ -49,7 +49,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..CellPlan::CHAPTER
     };
     let began = Instant::now();
-    let reference = by_engine(Engine::Event, &cells, &full)?;
+    let reference = each_by_engine(Engine::Event, &cells, &full).into_iter();
+    let reference = reference.collect::<Result<Vec<_>, _>>()?;
     println!(
         "{count} cells, seed {seed}; reference: {:.1} s",
         began.elapsed().as_secs_f64()

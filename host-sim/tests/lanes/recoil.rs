@@ -1,14 +1,13 @@
 //! The lanes with a cart that recoils.
 
-use numerics::engine::Engine;
-use numerics::lanes::{Cell, CellPlan, Instructions, by_engine, run_reported, run_with};
+use numerics::lanes::{Cell, CellPlan, Instructions, run_reported, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::params::{PRESETS, WIRES};
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use super::{FULL, agreement, agrees_with_the_reference, cell, close, sample};
+use super::{FULL, agreement, agrees_with_the_reference, by_reference, cell, close, sample};
 
 fn held(mut one: Cell, frequency_hz: f64) -> Cell {
     one.params.cart = CartDrive::Loop(LoopParams {
@@ -68,7 +67,7 @@ fn the_first_cycles_follow_the_reference() {
             let best = Instructions::Widest;
             let (ours, report) = run_with(best, &[one], &plan).unwrap();
             assert_eq!(report.lanes, 1);
-            let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
+            let theirs = by_reference(&[one], &plan);
             for (a, b) in ours[0].strobes.iter().zip(&theirs[0].strobes) {
                 assert!((a.q - b.q).abs() < 2e-4 * scale, "{phase} {a:?} {b:?}");
                 assert_eq!(a.onsets, b.onsets, "{phase}");
@@ -116,7 +115,7 @@ fn chatter_ends_as_the_reference_has_it() {
         .collect();
     let best = Instructions::Widest;
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
-    let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
+    let theirs = by_reference(&cells, &plan);
     let mut chatters = 0;
     for ((a, b), one) in ours.iter().zip(&theirs).zip(&cells) {
         assert_eq!(a.regime, b.regime, "{} Hz", one.frequency_hz);
@@ -162,7 +161,7 @@ fn loops_that_the_lanes_cannot_split_go_to_the_reference() {
     let cells = [damped, stiff, soft];
     let (ours, report) = run_reported(&cells, &plan).unwrap();
     assert_eq!(report.unfit, 3);
-    assert_eq!(ours, by_engine(Engine::Event, &cells, &plan).unwrap());
+    assert_eq!(ours, by_reference(&cells, &plan));
     let (_, report) = run_with(Instructions::Widest, &[held(cells[0], 50.0)], &plan).unwrap();
     assert_eq!(report.lanes, 1);
 }

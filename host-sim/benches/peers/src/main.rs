@@ -93,7 +93,10 @@ fn ours(out: &Path) -> Result<(), Box<dyn Error>> {
     let one_core = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     type Run<'a> = &'a (dyn Fn() -> Vec<CellOutcome> + Sync);
     let fast = || lanes::run(&cells, &plan).expect("the map's cells run");
-    let reference = || lanes::by_engine(Engine::Event, &cells, &plan).expect("the map's cells run");
+    let reference = || -> Vec<CellOutcome> {
+        let all = lanes::each_by_engine(Engine::Event, &cells, &plan).into_iter();
+        all.map(|one| one.expect("the map's cells run")).collect()
+    };
     let engines: [(&str, &str, Run); 2] = [
         ("ours", "numerics::lanes::run", &fast),
         ("reference", "this project's reference (order 8, 1e-12)", &reference),

@@ -6,7 +6,7 @@ use shared::model::rig::Rig;
 
 use super::*;
 use crate::engine::Start;
-use crate::lanes::{Cell, CellPlan, by_engine};
+use crate::lanes::{Cell, CellPlan, each_by_engine};
 use crate::reference::{Reference, Segment, TrajectoryObserver};
 
 fn rig(name: &str, params: RigParams, gap_over_amplitude: f64) -> NamedRig {
@@ -245,7 +245,8 @@ fn starts_in_a_cart_that_recoils_go_as_the_reference_has_them() {
             early: false,
             strobes: 0,
         };
-        let reference = by_engine(Engine::Event, &cells, &plan).unwrap();
+        let reference = each_by_engine(Engine::Event, &cells, &plan).into_iter();
+        let reference: Vec<_> = reference.map(Result::unwrap).collect();
         let mut moved = 0;
         for ((a, b), rigid) in found.iter().zip(&reference).zip(&prescribed) {
             assert_eq!(a.last_contact, b.last_contact, "{a:?} {b:?}");

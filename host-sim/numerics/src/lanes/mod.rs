@@ -112,15 +112,3 @@ pub(crate) fn settled(
     let tried = ::lanes::try_run(Instructions::Widest, &[cell], &plan);
     tried.outcomes.into_iter().next()?
 }
-
-/// Runs every cell by `engine`, one after the other in every thread: the reference for an audit, or the switch model.
-///
-/// # Errors
-/// As [`run`].
-pub fn by_engine(
-    engine: Engine,
-    cells: &[Cell],
-    plan: &CellPlan,
-) -> Result<Vec<CellOutcome>, Error> {
-    parallel::try_map(cells, |cell| run_one(engine, cell, plan))
-}
