@@ -370,13 +370,6 @@ impl PlantBodies {
         energy += friction.map_or(0.0, |f| f.energy_j(state.p));
         energy + stops.map_or(0.0, |s| s.energy_j(state.y))
     }
-
-    /// Horizontal momentum of both bodies, fixed frame, kg·m/s.
-    pub fn momentum(&self, state: &BodiesState) -> f64 {
-        let at = self.kinematics(state);
-        let m = self.rig.mass();
-        (self.cart_mass_kg + m) * state.w + m * at.rate
-    }
 }
 
 /// How the hammer loads the cart: the force that moves the cart is `moved` ÿ + `pull`.
