@@ -295,8 +295,8 @@ impl Distribution {
     }
 }
 
-fn sorted(outcomes: &[TrialOutcome], value: impl Fn(&TrialOutcome) -> f64) -> Vec<f64> {
-    let mut values: Vec<f64> = outcomes.iter().map(value).collect();
+fn sorted<T>(rows: &[T], value: impl Fn(&T) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = rows.iter().map(value).collect();
     values.sort_by(f64::total_cmp);
     values
 }

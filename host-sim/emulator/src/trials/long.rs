@@ -13,7 +13,7 @@ use shared::control::State;
 use shared::fault::{Fault, Origin};
 use shared::model::params::RigParams;
 
-use super::{Believed, START_S, Trial, each, quantile};
+use super::{Believed, START_S, Trial, each, quantile, sorted};
 use crate::local::Local;
 use crate::optimum::two_bodies_at;
 use crate::record::{BlockRow, RunEvent, RunEventKind, RunObserver};
@@ -339,15 +339,10 @@ pub struct Campaign {
 impl Campaign {
     /// Of these rows. A trial that never held counts as the latest and the weakest.
     pub fn of(rows: &[LongRow]) -> Self {
-        let sorted = |value: fn(&LongRow) -> f64| {
-            let mut values: Vec<f64> = rows.iter().map(value).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
         let count = |is: fn(&LongRow) -> bool| rows.iter().filter(|row| is(row)).count();
         let share = |row: &LongRow| row.force_share_at_amplitude.unwrap_or(0.0);
-        let times = sorted(|row| row.hold_s.unwrap_or(f64::INFINITY));
-        let shares = sorted(share);
+        let times = sorted(rows, |row| row.hold_s.unwrap_or(f64::INFINITY));
+        let shares = sorted(rows, share);
         let weakest = rows.iter().min_by(|a, b| share(a).total_cmp(&share(b)));
         Self {
             trials: rows.len(),
@@ -358,12 +353,12 @@ impl Campaign {
             lost: count(|row| row.reseeks > 0),
             hold_median_s: quantile(&times, 0.5),
             hold_last_s: quantile(&times, 1.0),
-            hold_share_worst: quantile(&sorted(|row| row.hold_share.unwrap_or(0.0)), 0.0),
+            hold_share_worst: quantile(&sorted(rows, |row| row.hold_share.unwrap_or(0.0)), 0.0),
             share_median: quantile(&shares, 0.5),
             share_worst: quantile(&shares, 0.0),
             share_worst_trial: weakest.map(|row| row.trial),
             share_worst_rig: weakest.map(|row| row.rig.clone()),
-            share_at_a0_worst: quantile(&sorted(|row| row.force_share.unwrap_or(0.0)), 0.0),
+            share_at_a0_worst: quantile(&sorted(rows, |row| row.force_share.unwrap_or(0.0)), 0.0),
             largest_force_over_limit: rows
                 .iter()
                 .map(|row| row.largest_force_over_limit)
