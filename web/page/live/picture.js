@@ -5,6 +5,8 @@ import { element, svg } from "../common/dom.js";
 const SECONDS = 0.5;
 const SLOWER = 10;
 const COLUMNS = 1000;
+// A blow is shown for so many columns: a tenth of a second as it is played, longer than a screen needs to show it.
+const FLASH = 20;
 // A motion is drawn no larger than one of so many mm.
 const SMALLEST = 1;
 const [WIDTH, HEIGHT, HALF] = [600, 110, 120];
@@ -72,13 +74,22 @@ export class Picture {
     return { force, hammer: (hammer0 + hammer1) / 2, cart: (cart0 + cart1) / 2 };
   }
 
+  // Whether the hammer is at the surface, or was just now.
+  touched(column) {
+    for (let one = Math.max(0, column - FLASH); one <= column && one < this.columns(); one += 1) {
+      const { hammer, cart } = this.at(one);
+      if (hammer - cart > 0.98 * this.gap - 0.02) return true;
+    }
+    return false;
+  }
+
   show(column) {
     const { hammer, cart } = this.at(Math.min(column, this.columns() - 1));
     if (Number.isNaN(hammer + cart)) return;
     const x = (mm) => WIDTH / 2 + mm * this.scale;
     this.cart.setAttribute("transform", `translate(${x(cart + this.gap) - WALL} ${HEIGHT / 2})`);
     this.hammer.setAttribute("transform", `translate(${x(hammer)} ${HEIGHT / 2})`);
-    this.hammer.classList.toggle("touches", this.strikes && hammer - cart > 0.98 * this.gap - 0.02);
+    this.hammer.classList.toggle("touches", this.strikes && this.touched(column));
     const [from] = this.values;
     const time = from + (column / COLUMNS) * SECONDS;
     const said = `${time.toFixed(3)} s, ten times slower: hammer ${hammer.toFixed(2)} mm, cart ${cart.toFixed(2)} mm`;
