@@ -145,7 +145,7 @@ def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile(work):
 
 def test_an_emulated_run_tells_how_far_it_is():
     told = []
-    vi.emulate("field", samples_per_second=0, progress=lambda done, steps: told.append((done, steps)))
+    vi.emulate("sensor-open", samples_per_second=0, progress=lambda done, steps: told.append((done, steps)))
     steps = {steps for _, steps in told}
     assert len(steps) == 1 and told == sorted(told) and told[-1] == (max(steps), max(steps))
 
@@ -209,7 +209,7 @@ def test_tables_become_pandas_and_xarray():
 
 
 def test_an_emulated_run_has_its_motion_and_its_events():
-    run = vi.emulate("field", samples_per_second=100)
+    run = vi.emulate("sensor-open", samples_per_second=100)
     assert run.verdict == "pass" and run.final_state
     assert run.samples.true_force_n.max() > 0 and run.timeline.rows > 3
     assert "field" in vi.scenarios()

@@ -181,5 +181,5 @@ def test_drill_with_a_bit_that_is_fed_by_its_own_speed(host_sim):
 
 
 def test_emulate(host_sim):
-    text = vi.emulate("field", samples_per_second=0)
-    same(text, host_sim("emulate", "field"))
+    text = vi.emulate("sensor-open", samples_per_second=0)
+    same(text, host_sim("emulate", "sensor-open"))
