@@ -46,10 +46,10 @@ impl<'py> Keywords<'py> {
             if error.is_instance_of::<PyTypeError>(py) {
                 return PyTypeError::new_err(format!("argument '{key}': {}", error.value(py)));
             }
-            match error.is_instance_of::<PyOverflowError>(py) {
-                true => wrong(format!("{key} is {given}, which is out of range")),
-                false => error,
+            if error.is_instance_of::<PyOverflowError>(py) {
+                return wrong(format!("{key} is {given}, which is out of range"));
             }
+            error
         })
     }
 

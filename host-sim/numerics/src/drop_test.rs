@@ -10,9 +10,10 @@ use shared::model::params::RigParams;
 use shared::model::rig::{Rig, SwitchMode};
 
 use crate::contact_law::undriven::{Course, MotionPiece, Track, Undriven};
-use crate::error::{DropTestError, Error, within};
+use crate::error::{DropTestError, Error};
 use crate::low_pass::{self, LowPass};
 use crate::noise::Noise;
+use crate::range::within;
 use crate::row::tidy;
 
 /// A force channel's converter.

@@ -47,6 +47,7 @@ pub mod parallel;
 pub mod pick;
 pub mod poincare;
 pub mod progress;
+mod range;
 pub mod reference;
 
 pub mod root;

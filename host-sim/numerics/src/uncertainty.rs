@@ -4,7 +4,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use crate::error::{Error, within_samples};
+use crate::error::Error;
+use crate::range::within_samples;
 
 mod member;
 #[cfg(test)]

@@ -17,8 +17,9 @@ mod tests;
 use serde::Serialize;
 
 use crate::engine::Engine;
-use crate::error::{BasinsError, Error, StartError, within_samples};
+use crate::error::{BasinsError, Error, StartError};
 use crate::progress::Progress;
+use crate::range::within_samples;
 use crate::row::NamedRig;
 pub use attractors::{Attractor, AttractorKind, AttractorName};
 pub use entropy::{Entropy, StartUncertainty};

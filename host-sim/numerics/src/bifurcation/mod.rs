@@ -122,10 +122,10 @@ impl DiagramRequest {
         let CellPlan {
             cycles, recorded, ..
         } = self.plan;
-        match (1..=cycles).contains(&recorded) {
-            true => Ok(()),
-            false => Err(Error::Recorded { recorded, cycles }),
+        if !(1..=cycles).contains(&recorded) {
+            return Err(Error::Recorded { recorded, cycles });
         }
+        Ok(())
     }
 
     /// Simulations in all, location apart.

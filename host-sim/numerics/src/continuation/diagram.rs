@@ -10,10 +10,11 @@ use super::march::both_ways;
 use super::switching::doubled;
 use super::{CurveEnd, Special, Until, march};
 use crate::engine::Start;
-use crate::error::{Error, within};
+use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan};
 use crate::orbit::{Stability, on_course};
 use crate::progress::{Progress, check, step};
+use crate::range::within;
 
 /// What is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,8 +23,9 @@ use serde::Serialize;
 use shared::model::contact::{Law, LawKind};
 use shared::model::params::RigParams;
 
-use crate::error::{Error, RecordError, within};
+use crate::error::{Error, RecordError};
 use crate::progress::{Progress, step};
+use crate::range::within;
 use crate::signal::Signal;
 pub use contacts::{Impact, MeasuredImpacts};
 pub use profile::{Profile, ProfileEstimate};
@@ -130,10 +131,10 @@ pub fn release_m(given_mm: Option<f64>, signal: &Signal) -> Result<f64, Error> {
     // No sensor resolves less than a nanometre.
     let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
     let mm = given_mm.or(shown).unwrap_or(-3.0);
-    match mm.is_finite() {
-        true => Ok(mm * 1e-3),
-        false => Err(Error::Release(mm)),
+    if !mm.is_finite() {
+        return Err(Error::Release(mm));
     }
+    Ok(mm * 1e-3)
 }
 
 /// Fits each law with each misfit; a step of progress is a fit.

@@ -13,9 +13,10 @@ use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
 use crate::engine::{self, CycleRecorder, RecordedSample, Start, event, observe};
-use crate::error::{Error, MotionError, within};
+use crate::error::{Error, MotionError};
 use crate::lanes::strobes;
 use crate::progress::{Progress, check, step};
+use crate::range::within;
 use crate::reference::{Reference, Segment, TrajectoryObserver};
 use crate::row::Outcome;
 
@@ -47,10 +48,10 @@ impl SectionRequest {
         if let Some(bad) = self.phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
             return Err(Error::SectionPhase(*bad));
         }
-        match self.phases.is_sorted_by(|one, next| one < next) {
-            true => Ok(()),
-            false => Err(Error::SectionPhaseOrder),
+        if !self.phases.is_sorted_by(|one, next| one < next) {
+            return Err(Error::SectionPhaseOrder);
         }
+        Ok(())
     }
 }
 
