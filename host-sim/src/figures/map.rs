@@ -80,7 +80,7 @@ pub fn switch_model(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>
     let plan = CellPlan {
         cycles,
         recorded: cycles / 3,
-        early: false,
+        early: true,
         strobes: 0,
     };
     let rig = NamedRig::preset("wires")?;

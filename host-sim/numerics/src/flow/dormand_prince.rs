@@ -64,7 +64,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
     let mut rates = [[F::Number::ZERO; N]; STAGES];
     let mut totals = F::Totals::default();
     for stage in 0..STAGES {
-        let numbers = flow.moved::<M>(&start, h, &rates, A[stage]);
+        let numbers = moved::<_, N, M>(&start, h, &rates, A[stage]);
         let at = flow.after(from, h.scaled(C[stage]), numbers);
         flow.rates(&at, &mut rates[stage], WEIGHTS[stage] * span, &mut totals);
     }
@@ -78,7 +78,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
         sums
     };
     FlowStep {
-        end: flow.after(from, h, flow.moved::<M>(&start, h, &rates, B)),
+        end: flow.after(from, h, moved::<_, N, M>(&start, h, &rates, B)),
         length: h,
         error: flow.error(&estimate(E5), &estimate(E3), h.to_f64()),
         totals,
@@ -88,7 +88,7 @@ fn step_of<F: Flow<N>, const N: usize, const M: usize>(
 /// x + h Σ w ẋ for the first `M` of the numbers x, an even number. They go two by two: more do not fit in a processor's
 /// registers where they are dual.
 #[inline(always)]
-pub fn moved<R: Scalar, const N: usize, const M: usize>(
+fn moved<R: Scalar, const N: usize, const M: usize>(
     from: &[R; N],
     h: R,
     rates: &StageRates<R, N>,

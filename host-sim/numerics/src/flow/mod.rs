@@ -13,8 +13,6 @@ pub use dormand_prince::{FlowStep, reached, step};
 pub use march::{Pace, StepEnded};
 pub use scalar::Scalar;
 
-use dormand_prince::StageRates;
-
 /// One phase of a motion whose state is a point over `N` numbers that have rates.
 pub trait Flow<const N: usize> {
     /// What its numbers are.
@@ -53,18 +51,6 @@ pub trait Flow<const N: usize> {
         weight: f64,
         totals: &mut Self::Totals,
     );
-
-    /// The numbers after `h` (s) from `from` on at the weighted rates of the stages, of which the first `M` move.
-    #[inline(always)]
-    fn moved<const M: usize>(
-        &self,
-        from: &[Self::Number; N],
-        h: Self::Number,
-        rates: &StageRates<Self::Number, N>,
-        weights: &[(usize, f64)],
-    ) -> [Self::Number; N] {
-        dormand_prince::moved::<_, N, M>(from, h, rates, weights)
-    }
 
     /// The error of a step of `h` s over the tolerance, from the estimates of orders 5 and 3 of the mean rates' errors.
     fn error(&self, fifth: &[f64; N], third: &[f64; N], h: f64) -> f64;

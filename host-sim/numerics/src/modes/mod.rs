@@ -6,23 +6,18 @@
 //!
 //! m_i (η̈_i + 2ζ ω_i η̇_i + ω_i² η_i) = Γ_i A0 Ω² sin Ωt − F,  Δ = Σ η_i,  δ = Δ − gap,
 //!
-//! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Between contacts every mode
-//! moves in closed form ([`flight`]); in contact they are integrated together ([`contact`]); both switches are located
-//! ([`hammer`]). [`observe`] summarises a run. In a cart that recoils [`linear`] runs
-//! it, and finds the 1/1 orbits in either cart.
+//! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Flight and contact are both
+//! linear: [`linear`] runs them, and finds the 1/1 orbits. [`ModesRequest`] summarises runs. The tests compare both with an
+//! engine that integrates the contacts.
 
 pub mod beam;
-pub mod contact;
 pub mod dense;
-pub mod flight;
-pub mod hammer;
 pub mod linear;
 mod log;
 mod observe;
 
 pub use beam::{Beam, BendingMode, TipJoint};
-pub use hammer::{Hammer, ModesWatch};
-pub use observe::{ModalObservation, ModesRequest, ModesRow, observe};
+pub use observe::{ModalObservation, ModesRequest, ModesRow};
 
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
@@ -115,29 +110,6 @@ impl ModalRig {
         })
     }
 
-    /// δ, m, and δ̇, m/s.
-    pub fn penetration(&self, state: &ModalState) -> (f64, f64) {
-        (state.tip() - self.gap_m, state.tip_rate())
-    }
-
-    /// F as the law's formula gives it, N: negative where it would pull.
-    pub fn force(&self, state: &ModalState) -> f64 {
-        let (delta, rate) = self.penetration(state);
-        self.law.force(delta, rate, 0.0)
-    }
-
-    /// Accelerations of the modes under the inertial acceleration `drive` (A0 Ω² sin Ωt, m/s²) and the contact force
-    /// `force` (N), m/s².
-    pub fn accelerations(&self, state: &ModalState, drive: f64, force: f64) -> PerMode {
-        let mut a = PerMode::default();
-        for (i, mode) in self.modes.iter().enumerate() {
-            let pushed = (mode.participation_kg * drive - force) / mode.mass_kg;
-            let damped = 2.0 * self.damping_ratio * mode.omega * state.v[i];
-            a[i] = pushed - damped - mode.omega * mode.omega * state.q[i];
-        }
-        a
-    }
-
     /// Energy of each mode, J, relative to the cart.
     pub fn energies(&self, state: &ModalState) -> PerMode {
         let mut e = PerMode::default();
@@ -156,13 +128,6 @@ impl ModalRig {
             p[i] = c * state.v[i] * state.v[i];
         }
         p
-    }
-
-    /// What the inertial force gives all modes, W.
-    pub fn inertial_power(&self, state: &ModalState, drive: f64) -> f64 {
-        let each = self.modes.iter().zip(state.v);
-        each.map(|(mode, v)| mode.participation_kg * drive * v)
-            .sum()
     }
 }
 

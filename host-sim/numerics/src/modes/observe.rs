@@ -1,26 +1,19 @@
 //! What a run shows: regime, force, displacement, and the energy in each mode.
 
 use serde::Serialize;
-use shared::model::contacts::{Contact, Period};
+use shared::model::contacts::Period;
 use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 
-use super::flight::Flight;
-use super::hammer::{Hammer, ModesWatch};
 use super::linear::{Follower, LinearMotion};
 use super::{Beam, MAX_MODES, ModalRig, ModalState, PerMode, TipJoint};
 use crate::engine::Plan as Cycles;
 use crate::error::{Error, ModesError};
 use crate::parallel;
 use crate::progress::{Progress, step};
-use crate::reference::flow::FlowTotals;
 use crate::row::CartModel;
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
-
-/// Samples of a flight per drive period: fine enough for a 900 Hz mode at 4 Hz drive, and for the extremes of the
-/// displacement to some 1e-4 of them.
-const SAMPLES: f64 = 512.0;
 
 /// A beam rig run at several drive frequencies with several numbers of modes.
 #[derive(Clone, Debug)]
@@ -41,7 +34,8 @@ impl ModesRequest<'_> {
     /// Every frequency with every number of modes, from rest: a row each, by frequency, then by number of modes.
     ///
     /// # Errors
-    /// As [`ModalRig::new`] and [`observe`]; also if the work is interrupted.
+    /// As [`ModalRig::new`]; also if a frequency is not a positive number, if a motion cannot be followed, or if the work is
+    /// interrupted.
     pub fn run(&self, progress: &dyn Progress) -> Result<Vec<ModesRow>, Error> {
         let rigs = self
             .counts
@@ -55,14 +49,10 @@ impl ModesRequest<'_> {
             .collect();
         parallel::try_map(&runs, |&(hz, rig)| {
             let params = &self.rig.params;
-            let seen = if params.cart.recoils() {
-                let motion = LinearMotion::of(params, self.beam, rig.modes.len(), hz)?;
-                watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?
-            } else {
-                observe(rig.clone(), hz, self.cycles)?
-            };
-            step(progress, 1)?;
             let modes = rig.modes.len();
+            let motion = LinearMotion::of(params, self.beam, modes, hz)?;
+            let seen = watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?;
+            step(progress, 1)?;
             Ok(ModesRow::new(self.rig, self.beam, modes, hz, &seen))
         })
     }
@@ -89,66 +79,9 @@ pub struct ModalObservation {
     pub contact_loss_w: f64,
 }
 
-/// Runs `rig` from rest at `frequency_hz`.
-///
-/// # Errors
-/// If the frequency is not a positive number, or the motion cannot be followed.
-pub fn observe(
-    rig: ModalRig,
-    frequency_hz: f64,
-    cycles: Cycles,
-) -> Result<ModalObservation, Error> {
-    if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
-        return Err(Error::Frequency(frequency_hz));
-    }
-    let hammer = Hammer::at_rest(rig.clone(), frequency_hz);
-    watched(hammer, &rig, frequency_hz, cycles)
-}
-
-/// A hammer that is run a drive period at a time.
-pub(super) trait PeriodRunner {
-    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64>;
-    fn at(&self) -> ModalState;
-    /// The contact with the largest force since this was last asked.
-    fn strongest(&mut self) -> Option<Contact<f64>>;
-}
-
-impl PeriodRunner for Hammer {
-    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64> {
-        match sampler {
-            Some(sampler) => self.run_period(sampler),
-            None => self.run_period(&mut ()),
-        }
-    }
-    fn at(&self) -> ModalState {
-        *self.state()
-    }
-    fn strongest(&mut self) -> Option<Contact<f64>> {
-        self.take_strongest()
-    }
-}
-
-impl PeriodRunner for Follower {
-    fn period(&mut self, sampler: Option<&mut ModesSampler>) -> Period<f64> {
-        let Some(sampler) = sampler else {
-            return self.run_period(|_, _| {}, |_| {});
-        };
-        let mut work = 0.0;
-        let period = self.run_period(|state, cart_m| sampler.see(state, cart_m), |w| work += w);
-        sampler.contact_work += work;
-        period
-    }
-    fn at(&self) -> ModalState {
-        self.state()
-    }
-    fn strongest(&mut self) -> Option<Contact<f64>> {
-        self.take_strongest()
-    }
-}
-
 /// Runs `hammer` of `rig` through `cycles`.
 pub(super) fn watched(
-    mut hammer: impl PeriodRunner,
+    mut hammer: Follower,
     rig: &ModalRig,
     frequency_hz: f64,
     cycles: Cycles,
@@ -162,18 +95,17 @@ pub(super) fn watched(
         }
         Err(ModesError::Lost { frequency_hz }.into())
     };
-    for _ in 0..cycles.transient {
-        hammer.period(None);
-        lost(&hammer.at())?;
-    }
-    hammer.strongest();
-    let start = hammer.at();
+    hammer.skip(cycles.transient);
+    let start = hammer.state();
+    lost(&start)?;
     detector.push(start.tip(), start.tip_rate(), &Period::default());
     let mut sampler = ModesSampler::new(rig.clone(), omega, start);
     let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
     for _ in cycles.transient..cycles.cycles {
-        let period = hammer.period(Some(&mut sampler));
-        let state = hammer.at();
+        let mut work = 0.0;
+        let period = hammer.run_period(|state, cart_m| sampler.see(state, cart_m), |w| work += w);
+        sampler.contact_work += work;
+        let state = hammer.state();
         lost(&state)?;
         sampler.last.0 = 0.0;
         detector.push(state.tip(), state.tip_rate(), &period);
@@ -184,7 +116,9 @@ pub(super) fn watched(
     Ok(ModalObservation {
         regime: detector.regime(),
         force_n,
-        approach_m_per_s: hammer.strongest().map(|contact| contact.approach_speed),
+        approach_m_per_s: hammer
+            .take_strongest()
+            .map(|contact| contact.approach_speed),
         reach_m: sampler.reach,
         section_m,
         energy_j: sampler.energy.map(|e| e / time),
@@ -193,20 +127,20 @@ pub(super) fn watched(
     })
 }
 
-/// Follows a run at its contact steps and at even times of its flights; integrals by the trapezoidal rule.
+/// Follows a run at the ends and middles of its steps; integrals by the trapezoidal rule.
 pub(super) struct ModesSampler {
     rig: ModalRig,
-    omega: f64,
-    reach: [f64; 2],
-    energy: PerMode,
-    loss: PerMode,
-    contact_work: f64,
+    pub(super) omega: f64,
+    pub(super) reach: [f64; 2],
+    pub(super) energy: PerMode,
+    pub(super) loss: PerMode,
+    pub(super) contact_work: f64,
     /// Time, energies and losses last seen.
-    last: (f64, PerMode, PerMode),
+    pub(super) last: (f64, PerMode, PerMode),
 }
 
 impl ModesSampler {
-    fn new(rig: ModalRig, omega: f64, state: ModalState) -> Self {
+    pub(super) fn new(rig: ModalRig, omega: f64, state: ModalState) -> Self {
         let last = (0.0, rig.energies(&state), rig.losses(&state));
         Self {
             rig,
@@ -220,7 +154,7 @@ impl ModesSampler {
     }
 
     /// The hammer at `state`, its cart `cart_m` off its course.
-    fn see(&mut self, state: &ModalState, cart_m: f64) {
+    pub(super) fn see(&mut self, state: &ModalState, cart_m: f64) {
         let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin() + cart_m;
         self.reach = [self.reach[0].min(x), self.reach[1].max(x)];
         let (energies, losses) = (self.rig.energies(state), self.rig.losses(state));
@@ -230,24 +164,6 @@ impl ModesSampler {
             self.loss[i] += half * (losses[i] + self.last.2[i]);
         }
         self.last = (state.t, energies, losses);
-    }
-}
-
-impl ModesWatch for ModesSampler {
-    fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
-        let every = std::f64::consts::TAU / self.omega / SAMPLES;
-        let first = (from / every).floor() + 1.0;
-        let inside = (to / every - first).ceil().max(0.0) as usize;
-        self.see(&flight.at(from), 0.0);
-        for k in 0..inside {
-            self.see(&flight.at((first + k as f64) * every), 0.0);
-        }
-        self.see(&flight.at(to), 0.0);
-    }
-
-    fn contact(&mut self, end: &ModalState, totals: &FlowTotals) {
-        self.see(end, 0.0);
-        self.contact_work += totals.contact_work;
     }
 }
 

@@ -1,8 +1,18 @@
 use std::f64::consts::TAU;
 
+use shared::model::contacts::Period;
 use shared::model::params::{BEAM_135, BEAM_150, BEAM_170, WIRES};
+use shared::model::regime::Detector;
 
-use super::flight::Flight;
+mod contact;
+mod flight;
+mod hammer;
+
+use flight::Flight;
+use hammer::{Hammer, ModesWatch};
+
+use super::linear::{Follower, LinearMotion};
+use super::observe::{ModesSampler, watched};
 use super::*;
 use crate::engine::Plan as Cycles;
 use crate::reference::Reference;
@@ -15,6 +25,93 @@ const BEAM: Beam = Beam {
 
 fn at_gap(params: RigParams, gap_m: f64) -> RigParams {
     RigParams { gap_m, ..params }
+}
+
+/// For the engine of the tests.
+impl ModalRig {
+    /// δ, m, and δ̇, m/s.
+    pub fn penetration(&self, state: &ModalState) -> (f64, f64) {
+        (state.tip() - self.gap_m, state.tip_rate())
+    }
+
+    /// F as the law's formula gives it, N: negative where it would pull.
+    pub fn force(&self, state: &ModalState) -> f64 {
+        let (delta, rate) = self.penetration(state);
+        self.law.force(delta, rate, 0.0)
+    }
+
+    /// Accelerations of the modes under the inertial acceleration `drive` (A0 Ω² sin Ωt, m/s²) and the contact force
+    /// `force` (N), m/s².
+    pub fn accelerations(&self, state: &ModalState, drive: f64, force: f64) -> PerMode {
+        let mut a = PerMode::default();
+        for (i, mode) in self.modes.iter().enumerate() {
+            let pushed = (mode.participation_kg * drive - force) / mode.mass_kg;
+            let damped = 2.0 * self.damping_ratio * mode.omega * state.v[i];
+            a[i] = pushed - damped - mode.omega * mode.omega * state.q[i];
+        }
+        a
+    }
+
+    /// What the inertial force gives all modes, W.
+    pub fn inertial_power(&self, state: &ModalState, drive: f64) -> f64 {
+        let each = self.modes.iter().zip(state.v);
+        each.map(|(mode, v)| mode.participation_kg * drive * v)
+            .sum()
+    }
+}
+
+impl ModesWatch for ModesSampler {
+    fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
+        // Fine enough for a 900 Hz mode at 4 Hz drive, and for the extremes of the displacement to some 1e-4 of them.
+        let every = TAU / self.omega / 512.0;
+        let first = (from / every).floor() + 1.0;
+        let inside = (to / every - first).ceil().max(0.0) as usize;
+        let within = (0..inside).map(|k| (first + k as f64) * every);
+        for t in std::iter::once(from).chain(within).chain([to]) {
+            self.see(&flight.at(t), 0.0);
+        }
+    }
+
+    fn contact(&mut self, end: &ModalState, totals: &FlowTotals) {
+        self.see(end, 0.0);
+        self.contact_work += totals.contact_work;
+    }
+}
+
+/// What the engine of the tests, with closed-form flights and integrated contacts, shows of a run from rest.
+pub(super) fn observed(rig: ModalRig, frequency_hz: f64, cycles: Cycles) -> ModalObservation {
+    let omega = TAU * frequency_hz;
+    let mut hammer = Hammer::at_rest(rig.clone(), frequency_hz);
+    for _ in 0..cycles.transient {
+        hammer.run_period(&mut ());
+    }
+    hammer.take_strongest();
+    let start = *hammer.state();
+    let mut detector = Detector::new(rig.amplitude_m, rig.amplitude_m * omega);
+    detector.push(start.tip(), start.tip_rate(), &Period::default());
+    let mut sampler = ModesSampler::new(rig, omega, start);
+    let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
+    for _ in cycles.transient..cycles.cycles {
+        let period = hammer.run_period(&mut sampler);
+        sampler.last.0 = 0.0;
+        let state = hammer.state();
+        detector.push(state.tip(), state.tip_rate(), &period);
+        section_m.push(state.tip());
+        force_n = force_n.max(period.peak_force);
+    }
+    let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
+    ModalObservation {
+        regime: detector.regime(),
+        force_n,
+        approach_m_per_s: hammer
+            .take_strongest()
+            .map(|contact| contact.approach_speed),
+        reach_m: sampler.reach,
+        section_m,
+        energy_j: sampler.energy.map(|e| e / time),
+        loss_w: sampler.loss.map(|e| e / time),
+        contact_loss_w: sampler.contact_work / time,
+    }
 }
 
 /// The chapter's rig whose one mode is the first of `rig`: its mass is the modal mass, its cart moves by what the mode
@@ -239,7 +336,9 @@ fn contact_feeds_the_higher_modes_and_flight_alone_hardly_does() {
     let share = |gap_m: f64, ratio: f64| {
         let params = at_gap(BEAM_170, gap_m);
         let rig = ModalRig::new(&params, BEAM, 3).unwrap();
-        let seen = observe(rig, ratio * 4.5, cycles).unwrap();
+        let motion = LinearMotion::of(&params, BEAM, 3, ratio * 4.5).unwrap();
+        let follower = Follower::at_rest(motion, &rig);
+        let seen = watched(follower, &rig, ratio * 4.5, cycles).unwrap();
         let all: f64 = seen.energy_j.iter().sum();
         (seen.force_n, 1.0 - seen.energy_j[0] / all)
     };

@@ -1,4 +1,4 @@
-//! A run of a hammer in a cart that recoils, watched as the other engine's is.
+//! A run from rest, a drive period at a time.
 
 use shared::model::contacts::{Contact as Finished, ContactPiece, Period};
 use std::f64::consts::TAU;
@@ -8,6 +8,9 @@ use super::run::{LinearLeg, PeriodEvents};
 use crate::modes::dense::dot;
 use crate::modes::log::Log;
 use crate::modes::{ModalRig, ModalState};
+
+/// Onsets after which a period is given up.
+const MOST_ONSETS: u32 = 2000;
 
 /// A hammer with its modes and its cart, from drive phase 0 to drive phase 0.
 #[derive(Clone, Debug)]
@@ -43,6 +46,23 @@ impl Follower {
         self.log.take_strongest()
     }
 
+    /// Runs `periods` drive periods that nobody watches; contacts in them are forgotten. If the motion cannot be followed, the
+    /// state becomes NaN.
+    pub fn skip(&mut self, periods: u32) {
+        for _ in 0..periods {
+            self.go_on(None);
+        }
+        self.log = Log::default();
+        self.touching = false;
+    }
+
+    fn go_on(&mut self, seen: Option<&mut PeriodEvents>) {
+        match self.motion.run(&self.section, MOST_ONSETS, seen) {
+            Some(end) => self.section = end,
+            None => self.section.fill(f64::NAN),
+        }
+    }
+
     /// Runs to the next drive phase 0 and returns what happened on the way; `see` is told each state with the cart's
     /// deviation (m), `worked` what the surface took (J). If the motion cannot be followed, the state becomes NaN.
     pub fn run_period(
@@ -54,12 +74,9 @@ impl Follower {
             path: Some(Vec::new()),
             ..PeriodEvents::default()
         };
-        match self.motion.run(&self.section, Some(&mut seen)) {
-            Some(end) => self.section = end,
-            None => self.section.fill(f64::NAN),
-        }
+        self.go_on(Some(&mut seen));
         let mut phase = 0.0;
-        for leg in seen.path.unwrap_or_default() {
+        for leg in seen.path.take().unwrap_or_default() {
             if leg.touching != self.touching {
                 let rate = dot(&self.motion.rate, &leg.states[0]) * self.motion.units.1;
                 self.touching = leg.touching;
@@ -75,7 +92,10 @@ impl Follower {
             }
             phase += leg.length;
         }
-        self.log.close_period()
+        Period {
+            peak_force: seen.force * self.motion.units.0,
+            ..self.log.close_period()
+        }
     }
 
     /// Enters a piece of a contact; what the surface took in it, J. The integrals are those of the quintic through the values at

@@ -1,7 +1,7 @@
 //! Orbits of one drive period, by Newton's iteration on the return map.
 
 use super::LinearMotion;
-use super::run::PeriodEvents;
+use super::run::{MOST_ONSETS, PeriodEvents};
 use crate::modes::dense::Square;
 
 /// Newton steps before giving up.
@@ -36,7 +36,7 @@ impl LinearMotion {
     /// The section point after one period from `section`, and the derivative of the return map there.
     pub(super) fn image(&self, section: &[f64]) -> Option<(Vec<f64>, Square, PeriodEvents)> {
         let mut seen = PeriodEvents::default();
-        let end = self.run(section, Some(&mut seen))?;
+        let end = self.run(section, MOST_ONSETS, Some(&mut seen))?;
         let mut product = Square::one(section.len() + 3);
         for (i, (touching, time)) in seen.pieces.iter().enumerate() {
             product = self.phase(*touching).over(*time, self.step).times(&product);

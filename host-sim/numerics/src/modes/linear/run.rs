@@ -8,9 +8,8 @@ use crate::root::halved;
 
 /// Halvings of a step in which a switch is located.
 const HALVINGS: u32 = 44;
-/// Onsets in a period beyond which it is given up; where only the path is asked for, more.
-const MOST_ONSETS: u32 = 60;
-const MOST_WATCHED: u32 = 2000;
+/// Onsets in a period beyond which an orbit is not sought.
+pub(super) const MOST_ONSETS: u32 = 60;
 
 /// What happened in a period.
 #[derive(Clone, Debug, Default)]
@@ -36,16 +35,15 @@ pub(super) struct LinearLeg {
     pub states: [Vec<f64>; 3],
 }
 impl LinearMotion {
-    /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed.
+    /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed, or has more than `most` onsets.
     pub(super) fn run(
         &self,
         section: &[f64],
+        most: u32,
         mut seen: Option<&mut PeriodEvents>,
     ) -> Option<Vec<f64>> {
         let mut z = self.at_phase_zero(section);
         let mut touching = self.pushes(&z);
-        let watched = seen.as_ref().is_some_and(|seen| seen.path.is_some());
-        let most = if watched { MOST_WATCHED } else { MOST_ONSETS };
         let (mut left, mut since, mut onsets) = (TAU, 0.0, 0_u32);
         let mut approach = dot(&self.rate, &z);
         let mut next = z.clone();
@@ -204,7 +202,7 @@ impl LinearMotion {
     pub fn after(&self, section: &[f64], periods: u32) -> Option<Vec<f64>> {
         let mut at = section.to_vec();
         for _ in 0..periods {
-            at = self.run(&at, None)?;
+            at = self.run(&at, MOST_ONSETS, None)?;
         }
         Some(at)
     }

@@ -1,7 +1,7 @@
 //! In contact: all modes together.
 
 use super::{MAX_MODES, ModalRig, ModalState};
-use crate::flow::dormand_prince::{StageRates, combined};
+use crate::flow::dormand_prince::combined;
 use crate::flow::{Flow, reached};
 use crate::reference::TOLERANCE;
 use crate::reference::flow::FlowTotals;
@@ -117,23 +117,6 @@ impl Flow<NUMBERS> for ContactFlow<'_> {
             totals.damping_work += weight * self.rig.losses(at).iter().sum::<f64>();
         }
         *rates = alternating(&at.v, &self.rig.accelerations(at, drive, force));
-    }
-
-    /// As the others do it but for the order of the products, which the last digits of a run depend on.
-    fn moved<const M: usize>(
-        &self,
-        from: &[f64; NUMBERS],
-        h: f64,
-        rates: &StageRates<f64, NUMBERS>,
-        weights: &[(usize, f64)],
-    ) -> [f64; NUMBERS] {
-        let mut at = *from;
-        for &(i, weight) in weights {
-            for (x, rate) in at[..M].iter_mut().zip(&rates[i]) {
-                *x += h * weight * rate;
-            }
-        }
-        at
     }
 
     /// That of the worst mode.

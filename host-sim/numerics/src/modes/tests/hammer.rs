@@ -6,10 +6,10 @@ use shared::model::contacts::{Contact as Finished, ContactPiece, Period};
 
 use super::contact::{ContactFlow, SHORTEST_S, TIME_TOLERANCE_S};
 use super::flight::Flight;
-use super::log::Log;
 use super::{ModalRig, ModalState};
 use crate::flow::dormand_prince::next;
 use crate::flow::{FlowStep, Pace, StepEnded};
+use crate::modes::log::Log;
 use crate::reference::flow::FlowTotals;
 
 /// First step after an onset, s.
@@ -57,16 +57,6 @@ impl Hammer {
             pace: Pace::new(FIRST_STEP_S),
             log: Log::default(),
         }
-    }
-
-    /// The rig in modal coordinates.
-    pub fn rig(&self) -> &ModalRig {
-        &self.rig
-    }
-
-    /// Drive period, s.
-    pub fn period_s(&self) -> f64 {
-        self.period_s
     }
 
     /// Where the hammer is now.
