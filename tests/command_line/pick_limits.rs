@@ -215,7 +215,7 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
     let text = mine.run("pick --nominal --rig mine.toml").well().out;
     assert!(text.contains("shaker enough      yes"), "{text}");
     assert!(
-        text.contains("shaker_max_force_n = 200: does not bind"),
+        text.contains("shaker_max_force_n = 200: does not decide"),
         "{text}"
     );
 }

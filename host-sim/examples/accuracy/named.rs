@@ -24,9 +24,8 @@ const fn point(rig: &'static str, gap_mm: f64, ratio: f64) -> NamedPoint {
 }
 
 /// The points: a 1/1 at a small and a large gap.
-pub const POINTS: [NamedPoint; 3] = [
+pub const POINTS: [NamedPoint; 2] = [
     point("wires", 0.0, 2.0),
-    point("wires", 2.4, 1.4),
     point("beam-135", 3.0, 1.3),
 ];
 
