@@ -146,12 +146,12 @@ fn a_source_says_what_decided() {
     assert!(text.contains(said), "{text}");
     let (_, notes) = made(&format!("{WIRES} --wire-length 300mm"));
     assert!(
-        notes.contains(" % less than what the swings give"),
+        notes.contains(" % less than the swings"),
         "{notes}"
     );
     let (_, notes) = made(&format!("{WIRES} --wire-length 30mm"));
     assert!(
-        notes.contains(" % more than what the swings give"),
+        notes.contains(" % more than the swings"),
         "{notes}"
     );
     // As the tutorial has it; a worse reading is known to a factor.
