@@ -89,10 +89,6 @@ fn where_every_run_fails_the_command_says_why() {
     let folder = Folder::new();
     for command in ["sweep --ratio 3.8", "bifurcation --ratio 3.8"] {
         let ran = folder.run(&format!("{command} {HERTZ} --quiet"));
-        assert!(
-            ran.err.contains("leaves the model's range"),
-            "{}",
-            ran.err
-        );
+        assert!(ran.err.contains("leaves the model's range"), "{}", ran.err);
     }
 }

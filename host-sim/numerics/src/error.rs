@@ -336,7 +336,9 @@ pub enum ModesError {
     #[error("bending modes are those of beam springs; use --rig beam-170, beam-150 or beam-135")]
     NotBeams,
     /// The contact law is not the spring-dashpot.
-    #[error("the beam with modes has only the spring-dashpot law; leave contact_law at spring-dashpot")]
+    #[error(
+        "the beam with modes has only the spring-dashpot law; leave contact_law at spring-dashpot"
+    )]
     Law,
     /// The gap, m, is negative: the hammer would rest pressed against the surface.
     #[error(
@@ -456,7 +458,9 @@ pub enum RecordError {
     #[error("no contact in the record")]
     NoContacts,
     /// Enough contacts to find the drive frequency from.
-    #[error("{0} contacts are too few to determine the drive frequency; give --frequency or --ratio")]
+    #[error(
+        "{0} contacts are too few to determine the drive frequency; give --frequency or --ratio"
+    )]
     FewContacts(usize),
     /// A drive frequency to try.
     #[error("no drive frequency to try")]
@@ -553,9 +557,7 @@ impl MotionError {
     /// What went wrong in a few words, for a row of a table that has the frequency beside it.
     pub fn in_few_words(self) -> &'static str {
         match self {
-            MotionError::LeftModel { .. } => {
-                "the hammer leaves the model's range (1 rad or 1 m)"
-            }
+            MotionError::LeftModel { .. } => "the hammer leaves the model's range (1 rad or 1 m)",
             MotionError::TickTooLong { .. } => "a contact is too short for the tick",
             MotionError::LostOnSection { .. } => {
                 "the hammer leaves the model's range, or its motion cannot be followed"

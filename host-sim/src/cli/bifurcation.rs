@@ -267,9 +267,8 @@ fn changes_text(found: &DiagramAnswer) -> String {
     }
     let brief = found.changes.len() - lasting.len();
     if brief > 0 {
-        text += &format!(
-            "  and {brief} shorter than three frequencies (--format json lists them)\n"
-        );
+        text +=
+            &format!("  and {brief} shorter than three frequencies (--format json lists them)\n");
     }
     if found.not_settled > 0 {
         text += &format!(

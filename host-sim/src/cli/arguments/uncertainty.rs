@@ -7,7 +7,9 @@ use numerics::uncertainty::{Stated, Uncertainty};
 
 /// How well the rig is known.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Uncertainty (an option replaces the value of the rig file's [uncertainty])")]
+#[command(
+    next_help_heading = "Uncertainty (an option replaces the value of the rig file's [uncertainty])"
+)]
 pub struct UncertaintyArgs {
     /// Take the parameters as exact
     #[arg(long, conflicts_with_all = [

@@ -176,9 +176,7 @@ fn cart(answer: &DrillReport) -> String {
         ),
     };
     let (Some(hz), Some(rate)) = (what, value) else {
-        return format!(
-            "{own}; its recoil is not known (shaker_loop_hz in the rig's file)"
-        );
+        return format!("{own}; its recoil is not known (shaker_loop_hz in the rig's file)");
     };
     let more = 100.0 * (rate / advice.best.rate_of_penetration_um_per_s - 1.0);
     format!(

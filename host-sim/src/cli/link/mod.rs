@@ -219,7 +219,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     };
     check(what)?;
     if matches!(what, What::Stop) && client::stop_beside_another(&args.port)? {
-        print("sent; another program uses the port and gets the answer, so watch whether the drive stops\n");
+        print(
+            "sent; another program uses the port and gets the answer, so watch whether the drive stops\n",
+        );
         return Ok(0);
     }
     let opened = client::open(&args.port, args.baud)?;

@@ -96,10 +96,7 @@ fn measure_first(pick: &Pick) -> impl Iterator<Item = (&str, String)> {
     let slopes = by_what_they_leave_open(&pick.answer).into_iter();
     slopes.take(MOST_MEASURED).map(|slope| {
         let open = match left_open(slope) {
-            Some([_, open]) => format!(
-                "uncertainty {}, of the force {open} %; ",
-                known_to(slope)
-            ),
+            Some([_, open]) => format!("uncertainty {}, of the force {open} %; ", known_to(slope)),
             None => String::new(),
         };
         let what = format!(

@@ -205,7 +205,9 @@ fn cart(a: &PickAnswer) -> Lines {
         "cart",
         match a.cart {
             CartModel::Recoil => format!("recoils from the contacts, held by {held}"),
-            CartModel::Prescribed => "moved as prescribed, with any force that this takes".to_owned(),
+            CartModel::Prescribed => {
+                "moved as prescribed, with any force that this takes".to_owned()
+            }
         },
     )];
     if let Some(other) = other_cart(a) {

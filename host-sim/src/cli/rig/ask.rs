@@ -113,7 +113,8 @@ impl Dialogue<'_> {
             Ok(swings @ 1..=100_000) => Ok(swings),
             _ => Err("write a whole number from 1 to 100000".to_owned()),
         };
-        let question = "Number of full swings timed with the stopwatch, cart held still, without contact";
+        let question =
+            "Number of full swings timed with the stopwatch, cart held still, without contact";
         answers.swings = if answers.wire_length.is_some() {
             self.open(question, count)?
         } else {
@@ -155,7 +156,8 @@ impl Dialogue<'_> {
             })?;
         }
         if answers.restitution.is_none() {
-            let question = "Restitution: the hammer's rebound over the distance that you pulled it back";
+            let question =
+                "Restitution: the hammer's rebound over the distance that you pulled it back";
             answers.restitution = self.perhaps(question, |text| {
                 let restitution = RESTITUTION.read(text)?;
                 ratios(&restitution).map(|_| restitution)
