@@ -131,7 +131,7 @@ fn basins_and_gaps_that_cannot_be() {
         ),
         (
             "pick --gap 0:1:1 --set gap_mm=1",
-            "--gap and --set gap_mm both say what it is",
+            "--gap and --set gap_mm both set the gap",
         ),
         ("pick --starts 5", "--gap"),
         (
@@ -189,11 +189,11 @@ fn frequencies_ranges_cycles_and_starts_that_cannot_be() {
         ),
         (
             "simulate --ratio 1.5 --set gap_mm=1 --gap 2",
-            "--gap and --set gap_mm both say what it is; leave one of them out",
+            "--gap and --set gap_mm both set the gap; leave one of them out",
         ),
         (
             "map --set gap_mm=1 --gap 2",
-            "--gap and --set gap_mm both say what it is",
+            "--gap and --set gap_mm both set the gap",
         ),
         ("simulate --ratio 1.5 --cycles -1", "'-1'"),
         ("simulate --ratio 1.5 --initial up", "write rest, fixed"),

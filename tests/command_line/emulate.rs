@@ -42,7 +42,7 @@ fn a_shaker_whose_loop_the_settings_do_not_take_is_said() {
         .with("stopped.toml", STOPPED)
         .with("fast.toml", &fast);
     let run = |line: &str| folder.run(line).well().out;
-    let said = "shaker loop    not told to the controller";
+    let said = "shaker loop    not in the controller's settings";
     assert!(run("emulate fast.toml --no-log --quiet").contains(said));
     assert!(!run("emulate stopped.toml --no-log --quiet").contains(said));
     let json: Value =

@@ -363,7 +363,7 @@ fn no_wait_is_for_ever_and_nothing_raw_reaches_the_terminal() {
     refused(
         &folder,
         &never.line("record r.parquet"),
-        &["does not begin anew"],
+        &["does not restart"],
     );
     assert!(!folder.path("r.parquet").exists());
     for (line, words) in [

@@ -146,7 +146,7 @@ fn a_drive_force_limit_that_no_frequency_keeps_lowers_the_amplitude() {
         .run("pick --nominal --cart prescribed --max-shaker-force-n 0.5")
         .well()
         .out;
-    assert!(text.contains("the amplitude is lowered"), "{text}");
+    assert!(text.contains("lowered: at the rig's amplitude no frequency keeps"), "{text}");
 }
 
 /// The loop of the assumed shaker gives some 17 N at the wires, most of it against the recoil.
@@ -215,7 +215,7 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
     let text = mine.run("pick --nominal --rig mine.toml").well().out;
     assert!(text.contains("shaker enough      yes"), "{text}");
     assert!(
-        text.contains("shaker_max_force_n = 200: does not bind"),
+        text.contains("shaker_max_force_n = 200: does not decide"),
         "{text}"
     );
 }

@@ -45,27 +45,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 const INTRODUCTION: &str = "\
 # How accurate the simulation is
 
-How far is the microcontroller's model from the exact solution, and which stepper and tick should you use? *This page is written by
-`cargo run --release -p host-sim --example accuracy`; run it to measure everything again.*
+How far is the microcontroller's model from the exact solution, and which stepper and tick should you use?
+*`cargo run --release -p host-sim --example accuracy` writes this page.*
 
 The page compares the switch model of `shared`, in `f32` as on the microcontroller or in `f64`, with the event-located reference
-([checks.md](checks.md) says what the reference was compared with). A *stepper* is the way the switch model handles the step in which
-contact begins or ends: `Corrected`, `Banded` or `Smoothed` (`--stepper corrected` and so on). The results in short:
+([checks.md](checks.md)). A *stepper* is the switch model's treatment of the step in which contact begins or ends: `Corrected`, `Banded` or
+`Smoothed` (`--stepper corrected` and so on). The results:
 
 - **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or release, so its error is that of
   Runge–Kutta: fourth order in the tick. Below some 20 µs only the rounding of `f32` remains. With nonlinear laws, up to a hundred times
   harder than the presets', the largest force at 50 µs is within 8e-6 of the reference's (27 random rigs;
-  `cargo test -p host-sim --test nonlinear`). A contact that is too hard for the tick is refused, and the message names a tick that is
-  short enough.
-- **At 100 µs** (six steps per contact of 0.57 ms) forces are accurate to about a tenth of a percent. **At 200 µs** they are not. The
+  `cargo test -p host-sim --test nonlinear`). If a contact is too hard for the tick, the program refuses it and names a short enough tick.
+- **At 100 µs** (six steps per contact of 0.57 ms) forces are accurate to about a tenth of a percent. **At 200 µs** they are not: the
   section no longer repeats, and impacts may even die out.
-- **`Banded`**, the chapter's band alone, needs a band of 50 nm or less *and* a tick that resolves it (about 0.05 µs). With a longer tick the
-  hammer steps over the band. The force error then depends on where in the tick the onset falls, and periodic motion looks aperiodic.
-- **`Smoothed`** is kept for comparison. On a periodic orbit it converges to the switch as its transition narrows, if the tick shrinks
-  with it. Its rows compare the law's F at the peak; the force that acts there is smaller by the two arctangent factors.
+- **`Banded`**, the chapter's band alone, needs a band of 50 nm or less *and* a tick that resolves it (about 0.05 µs). With a longer tick
+  the hammer steps over the band. The force error then depends on the instant of the onset within the tick, and periodic motion looks
+  aperiodic.
+- **`Smoothed`** is for comparison. On a periodic orbit it converges to the switch as its transition narrows, if the tick shrinks with it.
+  Its rows compare the law's F at the peak; the force that acts there is smaller by the two arctangent factors.
 
-The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per tick). The reference runs at
-this rounded frequency, so both solve one problem.
+The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per tick). The reference runs at this
+rounded frequency, so both solve the same problem.
 
 ";
 

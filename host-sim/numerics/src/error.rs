@@ -205,7 +205,7 @@ pub enum StartError {
 pub enum MotionError {
     /// The hammer leaves what the model describes: beyond 1 rad or 1 m.
     #[error(
-        "at {frequency_hz:.6} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start, and with the switch engine a shorter tick"
+        "at {frequency_hz:.6} Hz the hammer leaves the model's range (1 rad or 1 m); use a smaller amplitude or start, and with the switch engine a shorter tick"
     )]
     LeftModel {
         /// Drive frequency, Hz.
@@ -232,7 +232,7 @@ pub enum MotionError {
     },
     /// The hammer leaves what the model describes, or cannot be followed, while a section is collected.
     #[error(
-        "at {frequency_hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m) or cannot be followed; use a smaller amplitude or start"
+        "at {frequency_hz} Hz the hammer leaves the model's range (1 rad or 1 m) or cannot be followed; use a smaller amplitude or start"
     )]
     LostOnSection {
         /// Drive frequency, Hz.
@@ -240,7 +240,7 @@ pub enum MotionError {
     },
     /// A drive period forgets the one before beyond what a number can hold: there is no Lyapunov exponent.
     #[error(
-        "at {frequency_hz} Hz one drive period forgets the one before beyond what a number can hold (the hammer stays pressed on); there is no exponent to give"
+        "at {frequency_hz} Hz a disturbance vanishes within one drive period (the hammer stays pressed on); there is no exponent"
     )]
     Forgotten {
         /// Drive frequency, Hz.
@@ -336,7 +336,9 @@ pub enum ModesError {
     #[error("bending modes are those of beam springs; use --rig beam-170, beam-150 or beam-135")]
     NotBeams,
     /// The contact law is not the spring-dashpot.
-    #[error("the beam with modes knows one contact law; leave it at spring-dashpot")]
+    #[error(
+        "the beam with modes has only the spring-dashpot law; leave contact_law at spring-dashpot"
+    )]
     Law,
     /// The gap, m, is negative: the hammer would rest pressed against the surface.
     #[error(
@@ -348,7 +350,7 @@ pub enum ModesError {
     #[error("the beam with modes is linear; leave cubic_stiffness_n_per_m3 out")]
     Cubic,
     /// So many modes cannot be computed.
-    #[error("{count} modes are asked for; choose from 1 to {most}")]
+    #[error("the number of modes is {count}; choose from 1 to {most}")]
     Count {
         /// How many were asked for.
         count: usize,
@@ -388,7 +390,7 @@ pub enum DropTestError {
     },
     /// The release is not clear of the surface.
     #[error(
-        "a release at {} mm is not clear of the surface, which is at {} mm; let go further out (negative: away from it)",
+        "a release at {} mm is not clear of the surface, which is at {} mm; release it farther out (negative: away from it)",
         mm(*.release_m),
         mm(*.gap_m)
     )]
@@ -399,11 +401,11 @@ pub enum DropTestError {
         gap_m: f64,
     },
     /// The hammer never reaches the surface.
-    #[error("the hammer never strikes: let go further out, or choose a smaller gap")]
+    #[error("the hammer never strikes: release it farther out, or choose a smaller gap")]
     NoContact,
     /// The hammer of the identification never reaches the surface.
     #[error(
-        "let go at {} mm, this rig's hammer never strikes: check --release-mm and --gap",
+        "released at {} mm, this rig's hammer never strikes: check --release-mm and --gap",
         mm(*.release_m)
     )]
     NoContactAt {
@@ -445,18 +447,20 @@ pub enum RecordError {
     #[error("there is no column force_n; a drop test is identified from its force")]
     NoForce,
     /// Displacement or force: one of them at least is compared.
-    #[error("neither displacement_mm nor force_n is there to compare")]
+    #[error("the record has neither displacement_mm nor force_n to compare")]
     NothingToCompare,
     /// A cart that moves at one frequency and phase throughout.
     #[error(
-        "the cart does not move at one frequency and phase throughout; cut out a part where it does with --from-s and --to-s, or give --frequency"
+        "the cart's frequency or phase changes in the record; choose a part without a change with --from-s and --to-s, or give --frequency"
     )]
     UnsteadyCart,
     /// Any contact to find the drive frequency from.
     #[error("no contact in the record")]
     NoContacts,
     /// Enough contacts to find the drive frequency from.
-    #[error("{0} contacts are too few to find the drive from; give --frequency or --ratio")]
+    #[error(
+        "{0} contacts are too few to determine the drive frequency; give --frequency or --ratio"
+    )]
     FewContacts(usize),
     /// A drive frequency to try.
     #[error("no drive frequency to try")]
@@ -553,14 +557,12 @@ impl MotionError {
     /// What went wrong in a few words, for a row of a table that has the frequency beside it.
     pub fn in_few_words(self) -> &'static str {
         match self {
-            MotionError::LeftModel { .. } => {
-                "the hammer leaves what the model describes (beyond 1 rad or 1 m)"
-            }
+            MotionError::LeftModel { .. } => "the hammer leaves the model's range (1 rad or 1 m)",
             MotionError::TickTooLong { .. } => "a contact is too short for the tick",
             MotionError::LostOnSection { .. } => {
-                "the hammer leaves what the model describes, or cannot be followed"
+                "the hammer leaves the model's range, or its motion cannot be followed"
             }
-            MotionError::Forgotten { .. } => "a drive period forgets the one before",
+            MotionError::Forgotten { .. } => "a disturbance vanishes within a drive period",
             MotionError::Lost { .. }
             | MotionError::LostTangent { .. }
             | MotionError::LostSmoothed { .. } => "the motion cannot be followed",

@@ -37,7 +37,7 @@ enum Which {
     All,
 }
 
-/// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
+/// Draw bifurcation diagrams: displacement and force at the section over frequency, per gap, up, down and from rest
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim bifurcation --gap 1 --ratio 1.4:4:0.01 --direction all --out out"
@@ -47,7 +47,7 @@ pub struct Args {
     #[command(flatten)]
     drive: Drives,
 
-    /// Each frequency from rest, or the state carried up or down (which shows the jumps), or all three
+    /// Start each frequency from rest, or carry the state up or down (which shows the jumps), or all three
     #[arg(long, value_enum, default_value = "rest")]
     direction: Which,
 
@@ -55,7 +55,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last cycles are recorded; where the motion does not repeat, each gives a point [default: 100, of fewer than 200 cycles
+    /// Cycles at the end that are recorded; where the motion does not repeat, each gives a point [default: 100, of
+    /// fewer than 200 cycles
     /// half]
     #[arg(long, value_name = "N")]
     recorded: Option<u32>,
@@ -124,7 +125,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let failed: usize = answer.diagrams.iter().map(|d| d.failed).sum();
     if failed > 0 {
         output.note(&format!(
-            "note: in {failed} of {} simulations the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
+            "note: in {failed} of {} simulations the hammer leaves the model's range (1 rad or 1 m) or needs a shorter tick; their rows say failed",
             answer.simulations
         ));
     }
@@ -266,13 +267,12 @@ fn changes_text(found: &DiagramAnswer) -> String {
     }
     let brief = found.changes.len() - lasting.len();
     if brief > 0 {
-        text += &format!(
-            "  and {brief} that last for fewer than three frequencies (--format json lists them)\n"
-        );
+        text +=
+            &format!("  and {brief} shorter than three frequencies (--format json lists them)\n");
     }
     if found.not_settled > 0 {
         text += &format!(
-            "  {} of {} had not settled\n",
+            "  {} of {} have not settled\n",
             found.not_settled,
             count(found.frequencies, "frequency")
         );

@@ -7,7 +7,7 @@ use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::NamedRig;
 
-/// What the chapter says, statement by statement: its words, the figure computed here, same or different
+/// Compare the chapter statement by statement: its words, the result computed here, same or different
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores it takes half a minute, with --coarse a quarter of that.\n\nExamples:\n  host-sim chapter\n  host-sim chapter --coarse --format csv > chapter.csv"
@@ -47,14 +47,13 @@ fn text(all: &[Statement]) -> String {
     let mut text = format!(
         "# What the chapter says, and what is computed here
 
-Every statement of the chapter *Study of an embarked vibro-impact system: mathematical modeling and
-nonlinear analysis* that says something about its model, its figures or its measurements. The command
+The statements of the chapter *Study of an embarked vibro-impact system: mathematical modeling and nonlinear
+analysis* about its model, its figures and its measurements. This command computes every result with the
+chapter's cart and writes this page (`out/chapter.md`, with CSV and JSON):
 
     host-sim chapter
 
-writes this page (`out/chapter.md`, with CSV and JSON); every figure in it is computed by that run, with the
-cart as the chapter moves it. A test computes all verdicts again, on coarser grids (`--coarse`). \"Cannot be
-told\" means: it needs the chapter's measurements, which are not public, or the chapter gives no figure.
+\"Cannot be told\": the statement needs the chapter's measurements, which are not public, or has no figure.
 
 {} statements: {} same, {} differ, {} cannot be told.
 

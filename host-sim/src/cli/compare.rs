@@ -20,7 +20,7 @@ use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
-/// Compare measured displacement or force with a simulation: both curves, and the errors
+/// Compare a measured displacement or force with a simulation: both curves, and the differences
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  host-sim compare record.csv --from-s 2 --to-s 10 --out out")]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
@@ -33,7 +33,7 @@ pub struct Args {
     #[command(flatten)]
     drive: OneFrequency,
 
-    /// The frame of the measured displacement
+    /// Frame of the measured displacement
     #[arg(long, value_parser = choice::<MeasuredFrame>(), default_value = "fixed")]
     frame: MeasuredFrame,
 
@@ -48,7 +48,8 @@ pub struct Args {
     #[command(flatten)]
     cycles: CycleArgs,
 
-    /// Where the simulation starts: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    /// Initial condition of the simulation: rest (relative to the cart), fixed (at rest in the laboratory), or
+    /// DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
 
@@ -212,11 +213,11 @@ fn table(e: &ComparisonErrors) -> String {
         e.displacement_mean_mm,
     ) {
         text += &format!(
-            "  displacement apart by {rms:.4} mm rms ({percent:.2} % of the travel), {mean:+.4} mm on average\n"
+            "  displacement differs by {rms:.4} mm rms ({percent:.2} % of the travel), {mean:+.4} mm on average\n"
         );
     }
     if let (Some(rms), Some(percent)) = (e.force_rms_n, e.force_peak_percent) {
-        text += &format!("  force apart by {rms:.3} N rms, largest by {percent:+.2} %\n");
+        text += &format!("  force differs by {rms:.3} N rms, the largest by {percent:+.2} %\n");
     }
     text
 }

@@ -7,7 +7,7 @@ use files::UserError;
 use super::Cli;
 use super::terminal::print_bytes;
 
-/// Print what a shell needs to complete commands and options
+/// Print a shell's script that completes commands and options
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim"

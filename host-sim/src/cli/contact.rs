@@ -11,13 +11,14 @@ use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Which {
-    /// The rig's own law, and the others made for the contact of Table 3.1
+    /// The rig's own law, and the others with parameters for the contact of Table 3.1
     All,
     /// The rig's own law alone
     Own,
 }
 
-/// One impact of a free mass on a wall under each contact law: force, restitution, energy, where a law would pull
+/// Compute one impact of a free mass on a wall under each contact law: force, restitution, energy, and the pull of some
+/// laws
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim contact --speed 0.1\n  host-sim contact --figure-3-3"
@@ -27,7 +28,7 @@ pub struct Args {
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     speed: Option<String>,
 
-    /// Which laws
+    /// Contact laws
     #[arg(long, value_enum, default_value = "all")]
     law: Which,
 
@@ -144,7 +145,7 @@ fn figure(case: &Case, all: &[ContactFigures]) -> Result<plot::Figure, UserError
     if case.speeds.len() > 1 {
         panels.extend(over_speed(all));
     }
-    let note = "Nothing but the wall acts on the mass. A contact pushes, never pulls: it is let go where F falls to 0. Dashed: what the law would do if it could pull, to where the indentation is 0.";
+    let note = "Nothing but the wall acts on the mass. A contact pushes, never pulls: it ends where F falls to 0. Dashed: the law with its pull, until the penetration is 0.";
     Ok(grid(case.title.clone(), note.to_owned(), panels))
 }
 
@@ -185,8 +186,8 @@ fn text(case: &Case, all: &[ContactFigures]) -> String {
             row.energy_imbalance.abs(),
         );
     }
-    text += "\nImbalance: work of the contact force less the kinetic energy gone, over the energy at onset.\n";
-    text += "Would pull: what the law alone would do if a contact were not let go where its force falls to 0.\n";
+    text += "\nImbalance: work of the contact force less the kinetic energy lost, over the energy at onset.\n";
+    text += "Would pull: the law alone, if a contact did not end where its force falls to 0.\n";
     if every > 1 {
         text += "Some speeds are left out; --format csv gives all.\n";
     }

@@ -14,8 +14,8 @@ const MOST: usize = 10_000;
 
 #[derive(Debug, clap::Args)]
 pub struct CoverageArgs {
-    /// Instead of a file: make drop tests with faulty sensors from the model, identify each, and count how often the
-    /// 95 % intervals hold the truth
+    /// Instead of a file: make drop tests with faulty sensors from the model, identify each, and count the 95 % intervals
+    /// that contain the true value
     #[arg(long, conflicts_with_all = [
         "file", "law", "all_laws", "release_mm", "seek_release", "seek_exponent", "impacts", "rig", "set", "gap",
     ])]
@@ -29,7 +29,7 @@ pub struct CoverageArgs {
     #[arg(long, value_name = "NAME", requires = "coverage")]
     case: Vec<String>,
 
-    /// Seed of what the drop tests of the coverage draw
+    /// Seed of the random numbers of the coverage
     #[arg(long, value_name = "N", default_value_t = 1, requires = "coverage")]
     seed: u64,
 }

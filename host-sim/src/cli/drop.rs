@@ -8,11 +8,11 @@ use numerics::drop_test::{Converter, DropSample, DropTest, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
-/// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
+/// Make a synthetic drop test of the released hammer, with noise, ringing and quantisation
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  host-sim drop --noise-n 0.2 --format csv > drop.csv")]
 pub struct Args {
-    /// Displacement at which the hammer is released, mm from its rest position; negative: away from the surface
+    /// Displacement at the release, mm from the hammer's rest position; negative: away from the surface
     #[arg(long, value_name = "MM", default_value_t = -3.0)]
     release_mm: f64,
 
@@ -52,11 +52,11 @@ pub struct Args {
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     force_gain_percent: f64,
 
-    /// What the force channel reads at the release without force, N
+    /// Reading of the force channel at the release without force, N
     #[arg(long, value_name = "N", default_value_t = 0.0)]
     offset_n: f64,
 
-    /// How fast that reading rises, N/s
+    /// Rise of that reading, N/s
     #[arg(long, value_name = "N_PER_S", default_value_t = 0.0)]
     drift_n_per_s: f64,
 
@@ -64,19 +64,19 @@ pub struct Args {
     #[arg(long, value_name = "HZ", default_value_t = 0.0)]
     filter_hz: f64,
 
-    /// What the force channel's converter does to the samples
+    /// Effect of the force channel's converter on the samples
     #[arg(long, value_parser = choice::<Converter>(), default_value = "plain")]
     converter: Converter,
 
-    /// The reading without force goes up or down by so many N in each 0.1 s
+    /// Step of the reading without force, up or down, in each 0.1 s, N
     #[arg(long, value_name = "N", default_value_t = 0.0)]
     step_n: f64,
 
-    /// The record's clock is so many percent fast
+    /// The record's clock is this many percent fast
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     clock_fast_percent: f64,
 
-    /// The displacement channel reads this many percent too much, so that the release is read wrong
+    /// The displacement channel reads this many percent too much, so the record has a wrong point of release
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     displacement_gain_percent: f64,
 
@@ -169,7 +169,7 @@ fn figure(rig: &str, test: &DropTest, rows: &[DropSample]) -> Figure {
     };
     let all = |f: fn(&DropSample) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
     let release = format!("{:.2}", test.release_m * 1e3).replace('-', "−");
-    Figure::new(format!("Synthetic drop test: {rig}, let go at {release} mm"))
+    Figure::new(format!("Synthetic drop test: {rig}, released at {release} mm"))
         .subtitle(format!(
             "{:.0} samples a second, noise {} N, ringing {:.2} of the peak at {:.0} Hz, {} bits, seed {}{}. Made from the model, not measured.",
             test.sampling_hz, test.noise_n, test.ringing_share, test.ringing_hz, test.bits, test.seed, faults(test)

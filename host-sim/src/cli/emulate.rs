@@ -201,7 +201,7 @@ fn write(
     let mut contents = match drawn(&name, &figure(&watch.trace, &about(scenario, verdict))) {
         Ok(pictures) => pictures,
         Err(why) => {
-            say(&format!("there is no picture of this run: {why}"));
+            say(&format!("no picture of this run: {why}"));
             Vec::new()
         }
     };
@@ -317,7 +317,7 @@ fn verdict_lines(verdict: &Verdict) -> String {
         number(verdict.share_from_start.map(|share| 100.0 * share), 2, " %")
     );
     text += &format!(
-        "largest        force {:.1} N, cart {:.3} mm; longest driven with a fault present {:.4} s\n",
+        "largest        force {:.1} N, cart {:.3} mm; longest drive during a fault {:.4} s\n",
         verdict.largest_force_n, verdict.largest_cart_mm, verdict.driven_with_fault_s
     );
     if verdict.faults.is_empty() {
@@ -345,7 +345,7 @@ fn verdict_lines(verdict: &Verdict) -> String {
     );
     if let Some(why) = &verdict.loop_left_out {
         text += &format!(
-            "shaker loop    not told to the controller, whose forecast has a cart that does not recoil: {why}\n"
+            "shaker loop    not in the controller's settings, so its forecast has no recoil: {why}\n"
         );
     }
     if let Some(dug) = verdict.progress_mm {

@@ -38,16 +38,16 @@ pub struct Args {
     #[arg(long, conflicts_with = "law")]
     all_laws: bool,
 
-    /// What to minimise [default: both, one after the other]
+    /// Quantity to minimise [default: both, one after the other]
     #[arg(long, value_parser = choice::<Misfit>())]
     misfit: Option<Misfit>,
 
-    /// Displacement at which the hammer was released, mm from its rest position; negative: away from the surface [default: the
+    /// Displacement at the release, mm from the hammer's rest position; negative: away from the surface [default: the
     /// record's first displacement, or -3]
     #[arg(long, value_name = "MM")]
     release_mm: Option<f64>,
 
-    /// Identify the release, too
+    /// Identify the point of release, too
     #[arg(long)]
     seek_release: bool,
 
@@ -55,19 +55,19 @@ pub struct Args {
     #[arg(long)]
     seek_exponent: bool,
 
-    /// Impacts used, at most
+    /// Most impacts that the fit uses
     #[arg(long, value_name = "N", default_value_t = 6)]
     impacts: usize,
 
-    /// How uncertain the force sensor's gain is: standard deviation, %
+    /// Uncertainty of the force sensor's gain: standard deviation, %
     #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.gain_percent)]
     gain_percent: f64,
 
-    /// How uncertain the distance of the release from rest is: standard deviation, %
+    /// Uncertainty of the distance of the release from rest: standard deviation, %
     #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.release_height_percent)]
     release_height_percent: f64,
 
-    /// How uncertain the clock of the samples is: standard deviation, %
+    /// Uncertainty of the clock of the samples: standard deviation, %
     #[arg(long, value_name = "PERCENT", default_value_t = SearchSettings::DEFAULT.clock_percent)]
     clock_percent: f64,
 
@@ -236,7 +236,7 @@ fn digits(estimate: &ProfileEstimate) -> usize {
 
 fn text(answer: &IdentifyAnswer) -> String {
     let mut text = format!(
-        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\ntaken as known (standard deviations): the sensor's gain to {} %, the height of the release to {} %, the clock to {} %\nthe cart is taken to be held; if it was free to move, stiffness and damping are {} % less than what follows\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\nassumed errors (standard deviations): {} % of the sensor's gain, {} % of the distance of the release, {} % of the clock\nassumed: the cart was held; if it was free to move, stiffness and damping are {} % less than the values below\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),
@@ -254,13 +254,13 @@ fn text(answer: &IdentifyAnswer) -> String {
     }
     text += &match &answer.ring {
         Some(ring) => format!(
-            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is fitted together with the contact (docs/identify.md).\n",
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. The fit includes it (docs/identify.md).\n",
             ring.frequency_hz,
             ring.decay_ms,
             ring.damping_ratio,
             100.0 * ring.share_at_release
         ),
-        None => "\nNo ringing is seen after release.\n".to_owned(),
+        None => "\nThe record shows no ringing after release.\n".to_owned(),
     };
     if let Some(WordedFit { fit, .. }) = answer.fits.first() {
         text.push('\n');
@@ -363,7 +363,7 @@ fn figure(
         )
     });
     let subtitle = format!(
-        "{}, gap {:?} mm, let go at {:?} mm. {found}. In brackets 95 % profile likelihood intervals.",
+        "{}, gap {:?} mm, released at {:?} mm. {found}. In brackets 95 % profile likelihood intervals.",
         rig.name,
         numerics::row::tidy(rig.params.gap_m * 1e3),
         numerics::row::tidy(settings.release_m * 1e3)

@@ -77,7 +77,7 @@ pub fn page(file: Option<&Path>, built: &str) -> Result<Cow<'static, [u8]>, User
 pub fn show(address: &str, no_open: bool) -> Option<NamedTempFile> {
     print(&format!("{address}\n"));
     say(
-        "open that address in a browser of this machine; who has it can use what it shows, so do not pass it on. Ctrl-C ends",
+        "open that address in a browser of this machine; whoever has it can use the page, so do not pass it on. Ctrl-C ends",
     );
     if no_open {
         return None;

@@ -46,7 +46,7 @@ use shared::model::params::preset;
 
 use terminal::{complain, print, say};
 
-/// Which frequency to run a vibro-impact hammer at, how hard it will strike, and whether it stays there.
+/// Compute the frequency to run a vibro-impact hammer at, the force of its blows, and the stability of that motion.
 #[derive(Debug, Parser)]
 #[command(
     name = "host-sim",

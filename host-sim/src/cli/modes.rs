@@ -15,7 +15,7 @@ use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, ModesRow, TipJo
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
-/// Beam springs with more than one bending mode: force, displacement and where the energy goes
+/// Compute beam springs with more than one bending mode: force, displacement, and the energy of the modes
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores each number of modes takes a tenth of a second at each frequency.\n\nExamples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
@@ -25,7 +25,7 @@ pub struct Args {
     #[command(flatten)]
     drive: Drives,
 
-    /// How many bending modes to keep; several numbers are compared
+    /// Numbers of bending modes to compare
     #[arg(long, value_name = "N,N...", value_delimiter = ',', default_values_t = [1, 2, 3, 5])]
     modes: Vec<usize>,
 
@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, value_name = "RATIO", default_value_t = 0.1)]
     springs_mass: f64,
 
-    /// How the hammer holds the springs' end
+    /// Motion of the springs' end
     #[arg(long, value_parser = choice::<TipJoint>(), default_value = "guided")]
     tip: TipJoint,
 

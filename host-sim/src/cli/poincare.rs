@@ -25,7 +25,7 @@ enum Other {
     Smoothed,
 }
 
-/// Poincaré section with thousands of points, Lyapunov exponents, the smoothing method compared with the switch
+/// Compute a Poincaré section with thousands of points, Lyapunov exponents, and the smoothing method beside the switch
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim poincare --gap 2.4 --ratio 2.7 --points 2000 --out out"
@@ -47,11 +47,12 @@ pub struct Args {
     #[arg(long, value_name = "TURNS")]
     phase: Vec<f64>,
 
-    /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    /// Initial condition: rest (relative to the cart), fixed (at rest in the laboratory), or
+    /// DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
 
-    /// Also the Lyapunov exponents of the same drive periods
+    /// Also compute the Lyapunov exponents over the same drive periods
     #[arg(long)]
     lyapunov: bool,
 
@@ -164,7 +165,7 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
 fn text(answer: &SectionAnswer, portrait: &Portrait) -> String {
     let regime = match answer.regime {
         Outcome::Unsettled => format!(
-            "{}: it has not come to repeat in the {} recorded, and still changes; give a longer --transient or more --points",
+            "{}: it does not repeat in the {} recorded, and still changes; give a longer --transient or more --points",
             answer.regime,
             count(answer.points as usize, "drive period")
         ),

@@ -11,7 +11,7 @@ use emulator::log::{LogReader, TICK_US};
 use files::UserError;
 use files::made_from::MadeFrom;
 
-/// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
+/// Feed a log to the controller again: the same decisions, bit for bit, or the first tick that differs
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  host-sim replay out/field.parquet")]
 pub struct Args {
@@ -19,7 +19,7 @@ pub struct Args {
     #[arg(value_name = "LOG")]
     log: PathBuf,
 
-    /// How to answer on standard output
+    /// Form of the answer on standard output
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
 

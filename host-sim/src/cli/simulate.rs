@@ -31,7 +31,8 @@ pub struct Args {
     #[command(flatten)]
     cycles: CycleArgs,
 
-    /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    /// Initial condition: rest (relative to the cart), fixed (at rest in the laboratory), or
+    /// DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
 
@@ -137,14 +138,14 @@ fn unsettled(answer: &RunAnswer) -> String {
     let recorded = answer.cycles - answer.transient;
     match answer.settling_cycles {
         Some(cycles) => format!(
-            "it repeats only from drive period {cycles} on, and the record begins before; give --transient {cycles}"
+            "it repeats only from drive period {cycles} on, and the record begins earlier; give --transient {cycles}"
         ),
         None => match answer.row.periods {
             Some(n) => format!(
-                "it nearly repeats after {n} drive periods, but what tells it from half as many still changes; give more --cycles"
+                "it nearly repeats after {n} drive periods, but its difference from {n}/2 periods still changes; give more --cycles"
             ),
             None => format!(
-                "it has not repeated in the {recorded} recorded drive periods, which is too early to call it aperiodic; give more --cycles"
+                "it has not repeated in the {recorded} recorded drive periods, too few to call it aperiodic; give more --cycles"
             ),
         },
     }

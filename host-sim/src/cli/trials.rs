@@ -20,26 +20,26 @@ const DURATION_S: (f64, f64) = (20.0, 3600.0);
 /// Most trials of one command.
 const MOST: u32 = 100_000;
 
-/// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
+/// Run the controller on many rigs that differ at random from its settings: time to Hold, and force
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores 200 rigs take a minute and a half, --long two minutes.\n\nExamples:\n  host-sim trials --count 20\n  host-sim trials --long"
 )]
 pub struct Args {
-    /// How many trials, on the rigs in turn [default: 200; with --long 40]
+    /// Number of trials, on the rigs in turn [default: 200; with --long 40]
     #[arg(long, value_name = "N")]
     count: Option<u32>,
 
-    /// Rig time of each, s; with --long, after the start [default: 60; with --long 600]
+    /// Rig time of each trial, s; with --long, after the start [default: 60; with --long 600]
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
 
-    /// Long trials: over each the natural frequency drifts by 5 %, the hammer's or the cart's sensor or both come to be
-    /// 1 ms late, and each sensor's gain drifts by 1 % per minute
+    /// Long trials: during each, the natural frequency drifts by 5 %, the delay of the hammer's or the cart's sensor or of
+    /// both grows to 1 ms, and each sensor's gain drifts by 1 % per minute
     #[arg(long)]
     long: bool,
 
-    /// Seed of what is drawn
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE.toml")]
     rig: Option<String>,
 
-    /// Print one trial as a scenario file, for `host-sim emulate`, and run none
+    /// Print this trial as a scenario file for `host-sim emulate`, and run none
     #[arg(long, value_name = "NUMBER")]
     show: Option<u32>,
 
@@ -169,6 +169,6 @@ fn text(trials: usize, seconds: f64, seed: u64, lines: &[Line]) -> String {
             number(d.share_at_a0_worst, 4),
         );
     }
-    text + "\nThe shares are of the optimum at the amplitude that the cart's sensor makes of A0; the last two columns, at A0\n\
-            itself: a controller cannot know that the cart's gain is wrong.\n"
+    text + "\nThe shares are of the optimum at the true amplitude, which differs from A0 if the cart's sensor has a wrong gain. The last\n\
+            two columns are of the optimum at A0 itself: a controller cannot detect such a gain.\n"
 }

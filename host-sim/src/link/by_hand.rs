@@ -82,11 +82,13 @@ pub enum MeasurementEnded {
 }
 
 /// Starts in manual mode, measures the curve, and stops the drive. Each point is given to `measured` as it comes, and
-/// counts even if the rest fails. The client has opened its session. As soon as `interrupted` says so, or anything fails, the
+/// counts even if the rest fails. The client has opened its session. As soon as `interrupted` says so, or anything fails,
+/// the
 /// drive is stopped.
 ///
 /// # Errors
-/// If the link fails, the controller refuses a command or does not do in time what it was told, `measured` fails, or a fault
+/// If the link fails, the controller refuses a command or does not do in time what it was told, `measured` fails, or a
+/// fault
 /// switches the drive off.
 pub fn measure<P: Read + Write>(
     client: &mut Client<P>,
@@ -267,7 +269,7 @@ impl<P: Read + Write> ByHand<'_, P> {
 
     fn fault(&self, record: &FaultRecord) -> UserError {
         self.client.complaint(format!(
-            "the drive is off: fault {} ({}) at {:.3} Hz; mend it, then `host-sim link {} clear-fault`",
+            "the drive is off: fault {} ({}) at {:.3} Hz; remove its cause, then `host-sim link {} clear-fault`",
             record.fault.code(),
             record.fault.name(),
             record.frequency_hz,

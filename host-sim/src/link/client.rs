@@ -37,7 +37,8 @@ pub struct Client<P> {
     streamed: VecDeque<FromBoard>,
 }
 
-/// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers: at the rate `baud`, or
+/// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers: at the rate
+/// `baud`, or
 /// without one at the first of the board's own at which it does.
 ///
 /// # Errors
@@ -307,7 +308,7 @@ impl<P: Read + Write> Client<P> {
     /// The error of an answer of the wrong kind.
     pub fn odd(&self, answer: &LinkAnswer) -> UserError {
         self.complaint(format!(
-            "the board answered something else ({answer:?}); reset it and try again"
+            "the board gave an unexpected answer ({answer:?}); reset it and try again"
         ))
     }
 
@@ -427,7 +428,7 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: the emergency stop must be acknowledged at the board: close the chain, press the button, then clear"
         }
         Refusal::Controller(Refused::ChainNotTried) => {
-            "refused: operator.acknowledge is set, so each start wants the emergency stop tried: press it, release it, press the board's button, then `clear-fault`"
+            "refused: operator.acknowledge is set, so try the emergency stop before each start: press it, release it, press the board's button, then `clear-fault`"
         }
         Refusal::NotAvailable => "refused: this board cannot do that",
         Refusal::NoSession => {
@@ -437,7 +438,7 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: another program steers; end it, or take over with --take-over (`stop` works nevertheless)"
         }
         Refusal::Old => "refused: the message is older than the last; try again",
-        Refusal::AtTheBoard => "refused: that is done at the board, with its button",
+        Refusal::AtTheBoard => "refused: only the board's button does this",
     }
 }
 

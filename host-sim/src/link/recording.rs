@@ -23,11 +23,13 @@ const PACE: Duration = Duration::from_millis(200);
 const LOOK: Duration = Duration::from_millis(200);
 
 /// Records `ticks` ticks of a controller that is idle at first and is restarted with its own settings. The command
-/// `given` is sent once the recording runs; the client has opened its session. If there is one, the controller is stopped at the
+/// `given` is sent once the recording runs; the client has opened its session. If there is one, the controller is stopped
+/// at the
 /// end. Returns the log's path and its ticks: fewer than asked for once `interrupted` says so.
 ///
 /// # Errors
-/// If the link fails, the controller is not idle, or ticks are lost. What was recorded before is kept, and the error says where.
+/// If the link fails, the controller is not idle, or ticks are lost. What was recorded before is kept, and the error says
+/// where.
 pub fn record<P: Read + Write>(
     client: &mut Client<P>,
     hello: &Hello,
@@ -113,7 +115,7 @@ fn stream<P: Read + Write>(
         let Some(FromBoard::Recording(recording)) = client.streamed(LOOK)? else {
             if heard.elapsed() > PATIENCE {
                 return Err(client.complaint(
-                    "the board streams nothing that a recording can begin or go on with; is it held in a debugger? Reset it and try again",
+                    "the board streams no samples for a recording; does a debugger hold it? Reset it and try again",
                 ));
             }
             continue;
@@ -122,7 +124,7 @@ fn stream<P: Read + Write>(
         if expected.is_none() && !exchange.notes.restarted {
             if heard.elapsed() > PATIENCE {
                 return Err(client.complaint(
-                    "the board does not begin anew with its settings, so the recording could not be replayed; reset it and try again",
+                    "the board does not restart with its settings, so the recording could not be replayed; reset it and try again",
                 ));
             }
             continue;

@@ -278,7 +278,7 @@ impl ReadingQuantity {
                 let unit = number.unit.map_or("", |(name, _)| name);
                 let (value, digit) = (number.value, number.digit);
                 format!(
-                    "{value} {unit} is taken as known to {digit} {unit}; if it is rounded, write how far: {value}+-50 {unit}"
+                    "{value} {unit}: the assumed error is {digit} {unit}; if the value is rounded, write its error: {value}+-50 {unit}"
                 )
             });
             return Ok((*value, digit, From::LastDigit, doubt));
@@ -427,7 +427,7 @@ mod tests {
     fn what_is_doubtful_is_said() {
         let doubt = |text| MASS.read(text).unwrap().doubt.unwrap_or_default();
         assert!(doubt("298 360 g").contains("differ by 21 %"));
-        assert!(doubt("1700g").contains("known to 0.5 g"));
+        assert!(doubt("1700g").contains("error is 0.5 g"));
         for text in ["298 355 g", "310g", "1.7kg", "1700+-50g"] {
             assert_eq!(doubt(text), "", "{text}");
         }

@@ -119,7 +119,7 @@ pub fn caption(basins: &Basins) -> String {
     let params = &s.rig.params;
     let cart = CartModel::of(params).words();
     format!(
-        "{}, {cart}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns",
+        "{}, {cart}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), released at drive phase {} turns",
         s.rig.name,
         s.frequency_hz / params.natural_frequency_hz(),
         s.frequency_hz,
@@ -220,7 +220,7 @@ pub fn parts(title: impl Into<String>, parts: &[(String, Basins)]) -> Figure {
     if let Some((_, first)) = parts.first() {
         let query = &first.query;
         figure = figure.subtitle(format!(
-            "Above: impact (a contact in the last {} of {} drive cycles) or none, as the chapter; below: by attractor. {} by {} starts each, let go at drive phase {} turns.",
+            "Above: impact (a contact in the last {} of {} drive cycles) or none, as the chapter; below: by attractor. {} by {} starts each, released at drive phase {} turns.",
             query.recorded, query.cycles, query.window.columns, query.window.rows, query.phase
         ));
     }

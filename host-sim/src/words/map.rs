@@ -7,7 +7,7 @@ pub fn agreement(found: &Agreement) -> String {
     let apart = found.cells - found.same_label;
     let coexisting = match found.coexisting {
         Some(count) if apart > 0 => format!(
-            "; in {count} of the {apart} with another label both motions exist (the reference keeps the first when started in it)"
+            "; in {count} of the {apart} with another label both motions exist (started on the first, the reference stays on it)"
         ),
         _ => String::new(),
     };

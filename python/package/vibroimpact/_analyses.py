@@ -71,7 +71,7 @@ def simulate(
     Raises
     ------
     ValueError
-        An argument cannot be used, or the hammer leaves what the model describes.
+        An argument cannot be used, or the hammer leaves the range of the model.
 
     Notes
     -----

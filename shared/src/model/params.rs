@@ -241,7 +241,7 @@ const POSITIVE_MASS: Allowed = Allowed(1e-6, 1e6, "a positive number from 1e-6 t
 const MASS: Number = Number::new("mass_kg", "hammer mass m", &POSITIVE_MASS);
 const CART_MASS: Number = Number::new(
     "cart_mass_kg",
-    "cart mass M (what the shaker must give, and how far the cart recoils)",
+    "cart mass M (determines the shaker's force and the cart's recoil)",
     &POSITIVE_MASS,
 );
 const AMPLITUDE: Number = Number::new(

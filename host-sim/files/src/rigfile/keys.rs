@@ -16,7 +16,7 @@ pub static KEYS: LazyLock<Vec<(&'static str, String)>> = LazyLock::new(|| {
             "preset",
             "rig to start from: wires, beam-170, beam-150 or beam-135",
         ),
-        word("support", "what the hammer hangs on: wires or beams"),
+        word("support", "suspension of the hammer: wires or beams"),
     ];
     for number in RigParams::numbers() {
         match number.key {

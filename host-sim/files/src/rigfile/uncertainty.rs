@@ -46,7 +46,7 @@ pub const WIDTHS: [HalfWidth; 11] = [
     },
     HalfWidth {
         key: "contact_stiffness_factor",
-        meaning: "contact stiffness, up to so many times as large or as small; instead of contact_stiffness_percent",
+        meaning: "contact stiffness, largest factor up or down; instead of contact_stiffness_percent",
         at_least: 1.0,
         below: 1000.0,
         of: |s| &mut s.contact_stiffness_factor,
@@ -60,7 +60,7 @@ pub const WIDTHS: [HalfWidth; 11] = [
     },
     HalfWidth {
         key: "contact_damping_ratio_percent",
-        meaning: "contact's damping ratio, % either way: the damping goes with the stiffness; instead of contact_damping_percent",
+        meaning: "contact's damping ratio, % either way; instead of contact_damping_percent",
         at_least: 0.0,
         below: 100.0,
         of: |s| &mut s.contact_damping_ratio_percent,

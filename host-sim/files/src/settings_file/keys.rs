@@ -52,28 +52,28 @@ pub const NUMBERS: [Key<f32>; 27] = keys! {
     drive m_per_code: "cart metres per DAC code", drive.m_per_code;
     drive frequency_slew_hz_per_s: "fastest change", drive.frequency_slew_hz_per_s;
     drive amplitude_slew_m_per_s: "fastest change", drive.amplitude_slew_m_per_s;
-    limits force_n: "largest contact force held", limits.force_n;
-    limits travel_m: "largest travel on the cart held", limits.travel_m;
+    limits force_n: "largest contact force", limits.force_n;
+    limits travel_m: "largest travel of the hammer on the cart", limits.travel_m;
     limits min_frequency_hz: "lowest drive frequency", limits.min_frequency_hz;
     limits max_frequency_hz: "highest drive frequency", limits.max_frequency_hz;
     limits amplitude_m: "largest cart amplitude", limits.amplitude_m;
-    trips force_n: "contact force that switches off", trips.force_n;
-    trips travel_m: "travel on the cart that does", trips.travel_m;
-    trips cart_m: "cart displacement that does", trips.cart_m;
-    trips no_contact_s: "time without a forecast contact", trips.no_contact_s;
-    trips regime_lost_s: "time the regime may be lost", trips.regime_lost_s;
-    trips link_timeout_s: "silence of a link in command; 0: any", trips.link_timeout_s;
+    trips force_n: "contact force that switches the drive off", trips.force_n;
+    trips travel_m: "travel on the cart that switches the drive off", trips.travel_m;
+    trips cart_m: "cart displacement that switches the drive off", trips.cart_m;
+    trips no_contact_s: "longest time without a forecast contact", trips.no_contact_s;
+    trips regime_lost_s: "longest time without the regime", trips.regime_lost_s;
+    trips link_timeout_s: "longest silence of the program that steers; 0: no limit", trips.link_timeout_s;
     detection on_n: "a contact begins above", detection.on_n;
     detection off_n: "and may end below", detection.off_n;
-    detection refractory_s: "having stayed there so long", detection.refractory_s;
-    aim force_n: "mean peak force wanted, or force_ratio in units of the weight; 0: as it comes", aim.force_n;
+    detection refractory_s: "after this time below", detection.refractory_s;
+    aim force_n: "mean peak force wanted, or force_ratio in units of the weight; 0: none", aim.force_n;
 };
 
 /// The keys of all switches (true or false), with their place in the settings.
 pub const SWITCHES: [Key<bool>; 5] = keys! {
     interlock relay: "the mirror contact of the enable's relay is wired to D8", interlock.relay;
     interlock ready: "the power stage's \"ready\" is wired to D6", interlock.ready;
-    operator heartbeat: "automatic mode, too, needs a program that stays on the link", operator.heartbeat;
+    operator heartbeat: "automatic mode, too, needs signs of life from a program on the link", operator.heartbeat;
     operator acknowledge: "an emergency stop must be acknowledged with the board's button", operator.acknowledge;
     aim power: "the most impact power instead of the strongest contact", aim.power;
 };

@@ -62,12 +62,12 @@ impl Choice for CartChoice {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         (
             "prescribed",
-            "Along its course whatever force that takes, as in the chapter",
+            "Prescribed exactly, with any force that this takes, as in the chapter",
             Self::Prescribed,
         ),
         (
             "recoil",
-            "By the rig's shaker (shaker_loop_hz): contacts push it off its course",
+            "The rig's shaker (shaker_loop_hz) holds it; contacts push it off its course",
             Self::Recoil,
         ),
     ];
@@ -102,12 +102,12 @@ impl Choice for Direction {
         ("rest", "Each frequency from rest", Self::Rest),
         (
             "up",
-            "Upwards, each from where the last one ended",
+            "Upwards, each from the end of the previous run",
             Self::Up,
         ),
         (
             "down",
-            "Downwards, each from where the last one ended",
+            "Downwards, each from the end of the previous run",
             Self::Down,
         ),
     ];

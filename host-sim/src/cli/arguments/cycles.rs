@@ -12,7 +12,7 @@ pub struct CycleArgs {
     #[arg(long, value_name = "N", default_value_t = 600)]
     cycles: u32,
 
-    /// How many of the first are not recorded [default: 480, of fewer than 600 cycles four fifths]
+    /// Drive cycles at the beginning that are not recorded [default: 480, of fewer than 600 cycles four fifths]
     #[arg(long, value_name = "N")]
     transient: Option<u32>,
 }

@@ -13,7 +13,8 @@ const USUAL_TICK_US: f64 = 50.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EngineName {
-    /// Located events, f64: the reference; in map, basins and bifurcation the fast engine, which runs many motions at once
+    /// The reference, f64, with located events; in map, basins and bifurcation the fast engine, which runs many motions at
+    /// once
     Event,
     /// The microcontroller's switch model, corrected stepper, fixed tick; with --cart prescribed only
     Switch,
@@ -51,7 +52,7 @@ pub struct EngineArgs {
     #[arg(long, value_name = "US")]
     tick_us: Option<f64>,
 
-    /// How the switch engine handles the switch [default: corrected]
+    /// Treatment of the switch in the switch engine [default: corrected]
     #[arg(long, value_enum)]
     stepper: Option<StepperName>,
 

@@ -22,7 +22,7 @@ pub struct GroundArgs {
     #[arg(long, value_name = "P", default_value_t = 20.0)]
     threshold_percent: f64,
 
-    /// Uncertainty of the ground's stiffness, % either way; its damping goes with it
+    /// Uncertainty of the ground's stiffness, % either way; its damping changes with it
     #[arg(long, value_name = "P", default_value_t = 20.0)]
     ground_stiffness_percent: f64,
 

@@ -17,7 +17,7 @@ use numerics::NamedRig;
 use numerics::uncertainty::Stated;
 use serde_json::{Map, Value};
 
-/// How to answer on standard output.
+/// Form of the answer on standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// For a person, with a small chart
@@ -38,7 +38,7 @@ pub const USUAL_FOLDER: &str = "out";
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// How to answer on standard output
+    /// Form of the answer on standard output
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
 
@@ -46,7 +46,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// No progress, no notes on standard error; warnings and errors stay
+    /// No progress and no notes on standard error; warnings and errors stay
     #[arg(long)]
     pub quiet: bool,
 
@@ -190,7 +190,7 @@ impl OutputArgs {
         self.doubt(rig);
         if rig.stated != Stated::default() {
             self.note(&format!(
-                "note: rig {} states an uncertainty; this answer is for its values alone (pick says what the uncertainty leaves open)",
+                "note: rig {} states an uncertainty; this answer is for its values alone (pick takes the uncertainty into account)",
                 rig.name
             ));
         }

@@ -35,7 +35,7 @@ impl OverOption {
             return Ok(());
         };
         Err(UserError::new(format!(
-            "{other} and --over {} both say what it is; leave one of them out",
+            "{other} and --over {} both set it; leave one of them out",
             self.key
         )))
     }

@@ -18,7 +18,7 @@ pub struct RigName {
     #[arg(long, value_name = "NAME|FILE.toml", default_value = "wires")]
     rig: String,
 
-    /// Override a parameter, unit in the key: mass_kg=0.3 (`host-sim rigs wires` prints the keys)
+    /// Change a parameter, unit in the key: mass_kg=0.3 (`host-sim rigs wires` prints the keys)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -76,7 +76,7 @@ impl RigName {
     pub fn check_gap(&self) -> Result<(), UserError> {
         if self.overrides("gap_mm") {
             return Err(UserError::new(
-                "--gap and --set gap_mm both say what it is; leave one of them out",
+                "--gap and --set gap_mm both set the gap; leave one of them out",
             ));
         }
         Ok(())
@@ -158,7 +158,7 @@ impl RigArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(next_help_heading = "Rig")]
 pub struct CartArg {
-    /// How the cart is moved [default: recoil where the rig's shaker is known, else prescribed]
+    /// Motion of the cart [default: recoil where the rig's shaker is known, else prescribed]
     #[arg(long, value_parser = choice::<CartChoice>())]
     cart: Option<CartChoice>,
 }

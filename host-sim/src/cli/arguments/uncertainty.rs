@@ -7,7 +7,9 @@ use numerics::uncertainty::{Stated, Uncertainty};
 
 /// How well the rig is known.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Uncertainty (an option comes before the rig file's [uncertainty])")]
+#[command(
+    next_help_heading = "Uncertainty (an option replaces the value of the rig file's [uncertainty])"
+)]
 pub struct UncertaintyArgs {
     /// Take the parameters as exact
     #[arg(long, conflicts_with_all = [
@@ -29,7 +31,7 @@ pub struct UncertaintyArgs {
     #[arg(long, value_name = "P")]
     contact_stiffness_percent: Option<f64>,
 
-    /// In its place a factor: the stiffness is up to so many times as large or as small
+    /// Instead of a percentage: the largest factor, up or down, between the true and the stated contact stiffness
     #[arg(long, value_name = "X")]
     contact_stiffness_factor: Option<f64>,
 
@@ -37,8 +39,7 @@ pub struct UncertaintyArgs {
     #[arg(long, value_name = "P")]
     contact_damping_percent: Option<f64>,
 
-    /// In its place the contact's damping ratio, % either way: the damping goes with the stiffness, as where one contact time
-    /// gave both
+    /// Instead: damping ratio of the contact, % either way, if one contact time gave both stiffness and damping
     #[arg(long, value_name = "P")]
     contact_damping_ratio_percent: Option<f64>,
 
@@ -50,15 +51,16 @@ pub struct UncertaintyArgs {
     #[arg(long, value_name = "P")]
     mass_percent: Option<f64>,
 
-    /// Cart mass, % either way; counts where the cart recoils [default: the rig file's, else 5]
+    /// Cart mass, % either way; only for a recoiling cart [default: the rig file's, else 5]
     #[arg(long, value_name = "P")]
     cart_mass_percent: Option<f64>,
 
-    /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
+    /// Natural frequency of the shaker's loop, % either way; only for a recoiling cart [default: the rig file's, else
+    /// 30]
     #[arg(long, value_name = "P")]
     shaker_loop_percent: Option<f64>,
 
-    /// Damping ratio of that loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
+    /// Damping ratio of that loop, % either way; only for a recoiling cart [default: the rig file's, else 30]
     #[arg(long, value_name = "P")]
     shaker_damping_percent: Option<f64>,
 

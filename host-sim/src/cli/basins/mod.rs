@@ -18,7 +18,7 @@ use numerics::NamedRig;
 use numerics::basins::chapter::{ChapterBasin, POINTS};
 use numerics::basins::{Basins, BasinsRequest, BasinsSummary, StartWindow, cells, explore};
 
-/// Basins of attraction: which initial conditions lead to impact, and what they settle on
+/// Compute basins of attraction: the initial conditions that lead to impact, and the motions that they settle on
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim basins --ratio 2 --gap-ratio 2 --grid 100 --out out\n  host-sim basins --chapter --out out"
@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last cycles are recorded; a contact in them counts as impact [default: 100, of fewer than 200 cycles
+    /// Cycles at the end that are recorded; a contact in them counts as impact [default: 100, of fewer than 200 cycles
     /// half]
     #[arg(long, value_name = "N")]
     recorded: Option<u32>,
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let failed: usize = found.iter().map(|one| one.summary.failed).sum();
     if failed > 0 {
         output.note(&format!(
-            "note: from {failed} starts of the grid the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed, and they count as no impact"
+            "note: from {failed} starts of the grid the hammer leaves the model's range (1 rad or 1 m) or needs a shorter tick; their rows say failed, and they count as no impact"
         ));
     }
     write(output, &found)?;

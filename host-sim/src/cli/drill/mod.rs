@@ -25,7 +25,7 @@ use numerics::sweep::spread;
 /// Ω/ω without `--ratio` and `--frequency`.
 const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
 
-/// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
+/// Compute the rate of penetration on ground that gives way over frequency and gap, its maximum, and the feed
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores each gap takes 3 to 8 s.\n\nExamples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 25 --bit-mass-kg 0.1\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
@@ -40,16 +40,16 @@ pub struct Args {
     #[command(flatten)]
     ground: GroundArgs,
 
-    /// How the gap is kept: cart (each period the cart is moved on by what was dug), ground (the ground is brought back),
-    /// steady (at the mean speed of the last period), or a speed in mm/s, at which the gap sets itself
+    /// Feed that keeps the gap: cart (each period the cart moves forward by the progress), ground (the ground is moved
+    /// back), steady (the mean speed of the last period); or a speed in mm/s, which then determines the gap
     #[arg(long, value_name = "HOW|MM_PER_S", value_parser = parse_feed, default_value = "cart", allow_hyphen_values = true)]
     feed: Feed,
 
-    /// Drive cycles in which a run may settle (fewer where it repeats before)
+    /// Most drive cycles for a run to settle (a run ends sooner once it repeats)
     #[arg(long, value_name = "N", default_value_t = 300)]
     settle: u32,
 
-    /// Instead of a rig: the published drifting oscillator, a bifurcation diagram over its static force
+    /// Compute, instead of a rig, the published drifting oscillator: a bifurcation diagram over its static force
     #[arg(long, conflicts_with_all = ["threshold_n", "bit_mass_kg", "rig", "gaps", "ratio", "frequency", "cart"])]
     published: bool,
 

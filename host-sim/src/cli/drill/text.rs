@@ -42,7 +42,7 @@ pub fn text(answer: &DrillReport) -> String {
             match answer.feed.as_str() {
                 "cart" | "ground" | "steady" => String::new(),
                 speed => format!(
-                    "; it is fed at {speed}, and the gap is {:.3} mm on the mean",
+                    "; at the feed of {speed}, the mean gap is {:.3} mm",
                     best.mean_clearance_mm
                 ),
             }
@@ -132,7 +132,7 @@ fn faster(answer: &DrillReport) -> String {
 fn force(advice: &DrillAnswer, threshold_n: f64) -> String {
     match advice.threshold_reached_ratios {
         Some((low, high)) => format!(
-            "{:.1} N: it cannot pass {threshold_n:?} N, which it first reaches at Ω/ω {low:.3} and last at {high:.3}, so it ranks no frequencies",
+            "{:.1} N: it cannot exceed {threshold_n:?} N, which it reaches from Ω/ω {low:.3} to {high:.3}, so it does not rank frequencies",
             advice.best.ground_force_n
         ),
         None => format!("{:.1} N", advice.best.ground_force_n),
@@ -151,7 +151,7 @@ fn rigid(advice: &DrillAnswer) -> String {
     };
     let apart = 100.0 * (hz / advice.best.frequency_hz - 1.0);
     format!(
-        "it would be struck hardest ({force:.1} N) at {hz:.4} Hz (Ω/ω {ratio:.3}), {:.1} % {}; there the rate is {:.1} % of that here",
+        "it would have its largest force ({force:.1} N) at {hz:.4} Hz (Ω/ω {ratio:.3}), {:.1} % {}; there the rate is {:.1} % of that here",
         apart.abs(),
         if apart >= 0.0 { "higher" } else { "lower" },
         100.0 * share
@@ -164,21 +164,19 @@ fn cart(answer: &DrillReport) -> String {
     let (own, other, what, value) = match advice.cart {
         CartModel::Recoil => (
             "recoils",
-            "if it kept to its course",
+            "with a prescribed cart",
             advice.prescribed_frequency_hz,
             advice.prescribed_rate_um_per_s,
         ),
         CartModel::Prescribed => (
-            "keeps to its course",
-            "if it recoiled under its shaker",
+            "moves as prescribed",
+            "with a recoiling cart",
             advice.recoil_frequency_hz,
             advice.recoil_rate_um_per_s,
         ),
     };
     let (Some(hz), Some(rate)) = (what, value) else {
-        return format!(
-            "{own}; how much it recoils is not known (shaker_loop_hz in the rig's file)"
-        );
+        return format!("{own}; its recoil is not known (shaker_loop_hz in the rig's file)");
     };
     let more = 100.0 * (rate / advice.best.rate_of_penetration_um_per_s - 1.0);
     format!(
@@ -204,7 +202,7 @@ fn bit(answer: &DrillReport) -> Option<String> {
         format!("; without it, {rate:.1} µm/s at {hz:.4} Hz{outside} ({more:+.0} %)")
     });
     Some(format!(
-        "{mass:?} kg, pressed on with {feed:.2} N, struck with at most {:.1} N{into}{without}",
+        "{mass:?} kg, pressed on the ground with {feed:.2} N, struck with at most {:.1} N{into}{without}",
         best.force_n
     ))
 }
@@ -235,7 +233,7 @@ fn corners(corners: &[Corner], answer: &DrillReport) -> String {
         .iter()
         .all(|c| c.regime_at_nominal == answer.advice.best.regime);
     format!(
-        "  {:<22} threshold ±{:?} %, stiffness ±{:?} %: {low:.1} to {high:.1} µm/s at this frequency, {}; their own best is at Ω/ω {from:.3} to {to:.3}{}, and this frequency has at least {:.1} % of it\n",
+        "  {:<22} threshold ±{:?} %, stiffness ±{:?} %: {low:.1} to {high:.1} µm/s at this frequency, {}; the best frequencies of these corners are at Ω/ω {from:.3} to {to:.3}{}, and this frequency has at least {:.1} % of their rates\n",
         "uncertainty",
         answer.uncertainty.threshold_percent,
         answer.uncertainty.ground_stiffness_percent,

@@ -17,7 +17,7 @@ use files::made_from::stamped;
 use crate::progress::ProgressLine;
 use record::PartRecord;
 
-/// Make every figure of the chapter again: pictures, tables and one page to read
+/// Make every computed figure of the chapter again: pictures, tables and one page
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores all figures take five minutes, with --coarse half a minute.\n\nExamples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"

@@ -82,29 +82,30 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// What the controller is doing
+    /// Print the controller's state
     Status {
-        /// How to answer
+        /// Form of the answer
         #[arg(long, value_parser = text_or_json(), default_value = "text")]
         format: Format,
     },
-    /// Start: seek the operating frequency and hold it; or steer by hand
+    /// Start: find the operating frequency and hold it; or steer by hand
     Start(Start),
-    /// Ramp down and go idle
+    /// Lower the amplitude and go to Idle
     Stop,
-    /// Clear the fault once its cause has gone
+    /// Clear the fault after its cause is gone
     ClearFault(Session),
     /// Confirm that the older copy of the settings is this rig's, after the newest was found damaged
     Confirm(Session),
     /// Print the settings as a TOML file
     Get,
-    /// Send settings; the board checks them as a whole, in idle, uses them and stores them
+    /// Send settings; in Idle the board checks them as a whole, uses them and stores them
     Set(Set),
-    /// Set the processor's brown-out reset to the level that its clock needs, once per board; without it the board drives nothing
+    /// Set the processor's brown-out reset to the level that its clock needs, once per board; without it the board drives
+    /// nothing
     SetBrownOut(SetBrownOut),
-    /// What the online twin forecasts over frequency
+    /// Print the controller's forecast over frequency
     Forecast {
-        /// How to answer
+        /// Form of the answer
         #[arg(long, value_enum, default_value = "text")]
         format: Format,
     },
@@ -112,9 +113,9 @@ enum What {
     Record(Recording),
     /// Measure the force curve by hand; its CSV is what `host-sim sweep --measured` reads
     Sweep(Sweep),
-    /// A line of status again and again
+    /// Print a line of status at regular intervals
     Monitor {
-        /// How long, s of the controller's time [default: until interrupted]
+        /// Duration, s of the controller's time [default: until interrupted]
         #[arg(long = "for", value_name = "S")]
         duration_s: Option<f64>,
         /// Lines per second
@@ -126,7 +127,7 @@ enum What {
 /// For whatever steers.
 #[derive(Clone, Copy, Debug, clap::Args)]
 struct Session {
-    /// Steer even if another program does: it can no longer do so then
+    /// Take over the session of another program, which can then no longer steer
     #[arg(long)]
     take_over: bool,
 }
@@ -142,7 +143,7 @@ struct Start {
     /// Cart amplitude by hand, mm [default: the rig's]
     #[arg(long, value_name = "MM", requires = "manual")]
     amplitude: Option<f64>,
-    /// Stop after so long, s of the controller's time [default: until interrupted]
+    /// Stop after this time, s of the controller's time [default: until interrupted]
     #[arg(long = "for", value_name = "S", requires = "manual")]
     duration_s: Option<f64>,
     #[command(flatten)]
@@ -169,7 +170,7 @@ struct Set {
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = true)]
 struct NewSettings {
-    /// Settings that differ, as `get` prints them
+    /// Settings to change, as `get` prints them
     #[arg(value_name = "FILE.toml")]
     file: Option<PathBuf>,
     /// Begin from the usual settings of this rig, not from the board's present ones
@@ -179,13 +180,13 @@ struct NewSettings {
 
 #[derive(Debug, clap::Args)]
 struct Recording {
-    /// File to write; one that exists is not replaced
+    /// File to write; an existing one is not replaced
     #[arg(value_name = "OUT.parquet")]
     out: PathBuf,
-    /// How long, s of the controller's time
+    /// Duration, s of the controller's time
     #[arg(long = "for", value_name = "S", default_value_t = 60.0)]
     duration_s: f64,
-    /// Start the controller once the recording runs, and stop it at the end, also when it is interrupted
+    /// Start the controller after the recording has begun, and stop it at the end, also after an interruption
     #[arg(long)]
     start: bool,
     #[command(flatten)]
@@ -211,14 +212,16 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         }
         None => {
             return Err(UserError::new(format!(
-                "what is it to do? for example `host-sim link {0} status`, or `host-sim link {0} --page`; see --help",
+                "no command is given; for example `host-sim link {0} status`, or `host-sim link {0} --page`; see --help",
                 args.port
             )));
         }
     };
     check(what)?;
     if matches!(what, What::Stop) && client::stop_beside_another(&args.port)? {
-        print("sent; another program uses the port, and only it hears whether the drive stops\n");
+        print(
+            "sent; another program uses the port and gets the answer, so watch whether the drive stops\n",
+        );
         return Ok(0);
     }
     let opened = client::open(&args.port, args.baud)?;
@@ -275,7 +278,7 @@ fn say_the_rate(args: &Args, baud: u32) {
     let [usual, slower] = RATES;
     if args.baud.is_none() && baud == slower {
         say(&format!(
-            "{}: no answer at {usual} Bd, so {slower} Bd, too slow to record every tick (`--baud {slower}` saves this wait)",
+            "{}: no answer at {usual} Bd, so {slower} Bd, too slow to record every tick (`--baud {slower}` avoids this wait)",
             args.port
         ));
     }

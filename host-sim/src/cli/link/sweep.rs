@@ -23,7 +23,7 @@ pub struct Sweep {
     /// Highest frequency, Hz
     #[arg(long, alias = "to", value_name = "HZ")]
     pub to_hz: f64,
-    /// From one frequency to the next, Hz
+    /// Step from one frequency to the next, Hz
     #[arg(long, alias = "step", value_name = "HZ")]
     pub step_hz: f64,
     /// Time to settle at each, s
@@ -38,8 +38,8 @@ pub struct Sweep {
     /// Go from the highest to the lowest
     #[arg(long)]
     pub down: bool,
-    /// File to write, one that exists is not replaced; if something fails or you interrupt, it gets what was measured
-    /// until then. FILE.json beside it says what it was made from
+    /// File to write; an existing one is not replaced. After a failure or an interruption it has the measurements until
+    /// then. FILE.json beside it names the origin
     #[arg(long, alias = "out", value_name = "FILE.csv")]
     pub csv: PathBuf,
     #[command(flatten)]

@@ -26,7 +26,7 @@ use numerics::map::{
 };
 use numerics::sweep::Direction;
 
-/// The Peterka map: what the hammer does over gap and frequency
+/// Compute the Peterka map: the hammer's regime over gap and frequency
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "On two cores the chapter's 209,916 cells take 3 to 8 s.\n\nExamples:\n  host-sim map --gap 0:3:0.5 --ratio 1:4:0.25\n  host-sim map --direction up --cycles 300 --transient 200 --out out"
@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last cycles are recorded [default: 100, of fewer than 200 cycles half]
+    /// Cycles at the end that are recorded [default: 100, of fewer than 200 cycles half]
     #[arg(long, value_name = "N")]
     recorded: Option<u32>,
 
@@ -48,15 +48,15 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     settle: Option<u32>,
 
-    /// Each cell from rest, or at each gap the state carried up or down the frequencies
+    /// Start each cell from rest, or at each gap carry the state up or down the frequencies
     #[arg(long, alias = "from", value_parser = choice::<Direction>(), default_value = "rest")]
     direction: Direction,
 
-    /// How many of the first cycles are not recorded: the other way to say --recorded
+    /// Cycles at the beginning that are not recorded, instead of --recorded
     #[arg(long, value_name = "N", conflicts_with = "recorded")]
     transient: Option<u32>,
 
-    /// Compute every cell alone with the reference, instead of many at once as --engine event does (hours, not seconds)
+    /// Compute every cell with the reference instead of the fast engine (hours, not seconds)
     #[arg(long)]
     reference: bool,
 
@@ -64,7 +64,7 @@ pub struct Args {
     #[arg(long, value_enum)]
     against: Option<requests::SecondMap>,
 
-    /// Add another rig's map over the same Ω/ω and gap/A0, and say how similar they are; may be given several times
+    /// Add another rig's map over the same Ω/ω and gap/A0, and compare them; may be given several times
     #[arg(long, value_name = "NAME|FILE.toml")]
     beside: Vec<String>,
 
@@ -72,11 +72,11 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["rig", "beside"])]
     beams: bool,
 
-    /// Measured points to lay over the map: CSV with the columns gap_mm, frequency_hz and regime
+    /// Measured points to draw over the map: CSV with the columns gap_mm, frequency_hz and regime
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
 
-    /// Run N random cells again with the reference, and report how many agree
+    /// Compute N random cells again with the reference, and report how many agree
     #[arg(long, value_name = "N")]
     audit: Option<usize>,
 
@@ -182,7 +182,7 @@ fn make(
     for (map, summary) in maps.iter().zip(&answer.summaries) {
         if summary.failed > 0 {
             output.note(&format!(
-                "note: {}: in {} of {} the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
+                "note: {}: in {} of {} the hammer leaves the model's range (1 rad or 1 m) or needs a shorter tick; their rows say failed",
                 map.rig.name,
                 summary.failed,
                 count(summary.cells, "cell")

@@ -93,18 +93,18 @@ fn one(request: &MapRequest, map: &Map, summary: &MapSummary) -> String {
     }
     let _ = writeln!(
         text,
-        "periodic   {}; unsettled (still changing, so that the regime is not known) {}; flagged and run again {}",
+        "periodic   {}; unsettled (still changing, regime not known) {}; flagged and run again {}",
         percent(summary.settled, summary.cells),
         percent(summary.unsettled, summary.cells),
         percent(summary.uncertain, summary.cells),
     );
     if run_on {
-        text += "           (--settle 5000 runs on with them)\n";
+        text += "           (--settle 5000 computes these cells for longer)\n";
     }
     if summary.failed > 0 {
         let _ = writeln!(
             text,
-            "failed     {}: the hammer leaves what the model describes; they are none of the regimes",
+            "failed     {}: the hammer leaves the model's range; these cells have no regime",
             count(summary.failed, "cell")
         );
     }

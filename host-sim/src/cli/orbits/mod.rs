@@ -28,14 +28,14 @@ pub enum OrbitsAxis {
     Gap,
 }
 
-/// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
+/// Follow periodic orbits, stable and unstable, over frequency or gap, with doublings, folds and grazes
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gap 0:1:0.5 --ratio 1:3\n  host-sim orbits --curve gap_mm=0:3 --periods 1 --impacts 1 --out out\n  host-sim orbits --curve contact_stiffness_n_per_m=1e6:1e8:log --ratio 1:3"
 )]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
-    /// What is varied
+    /// Parameter to vary
     #[arg(long, value_enum, default_value = "frequency")]
     along: OrbitsAxis,
 
@@ -47,15 +47,15 @@ pub struct Args {
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     frequency: Option<String>,
 
-    /// Orbits of up to so many drive periods
+    /// Most drive periods of an orbit
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=8))]
     periods: u8,
 
-    /// Orbits of up to so many contacts
+    /// Most contacts of an orbit
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=16))]
     impacts: u16,
 
-    /// Frequencies (or gaps) at which simulations look for orbits
+    /// Frequencies (or gaps) at which simulations search for orbits
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=2000))]
     starts: u16,
 
@@ -68,16 +68,16 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u16).range(0..=20000))]
     behind: u16,
 
-    /// The special points of the 1/1 at many gaps, as lines over gap and frequency
+    /// Join the special points of the 1/1 at many gaps to lines over gap and frequency
     #[arg(long)]
     curves: bool,
 
-    /// Period doublings, folds and grazes followed over what is varied and a second parameter, each as one continuation.
-    /// Given twice: over these two, at one drive frequency
+    /// Follow period doublings, folds and grazes over frequency or gap (--along) and this parameter. Given twice: over
+    /// these two, at one drive frequency
     #[arg(long, value_name = "KEY=FROM:TO[:log]", value_parser = parse_curve, conflicts_with_all = ["curves", "behind"])]
     curve: Vec<CurveOver>,
 
-    /// Values of the second parameter of --curve at which orbits are looked for
+    /// Values of the second parameter of --curve at which the search for orbits begins
     #[arg(long, value_name = "N", default_value_t = 5, requires = "curve", value_parser = clap::value_parser!(u16).range(1..=200))]
     searches: u16,
 
@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let answer = OrbitsAnswer::new(&rig.name, &found);
     if answer.failed_simulations > 0 {
         output.note(&format!(
-            "note: in {} of {} simulations the hammer leaves what the model describes (beyond 1 rad or 1 m); they found no orbit",
+            "note: in {} of {} simulations the hammer leaves the model's range (1 rad or 1 m); they found no orbit",
             answer.failed_simulations, answer.simulations
         ));
     }
@@ -345,7 +345,7 @@ fn seen_elsewhere(answer: &OrbitsAnswer, parameter: &str) -> String {
     if !text.is_empty() {
         text.push('\n');
     }
-    text + "\nnot looked for: crises of chaotic motion and homoclinic ends of branches\n"
+    text + "\nnot computed: crises of chaotic motion and homoclinic ends of branches\n"
 }
 
 fn special_line(point: &SpecialRow) -> String {

@@ -67,7 +67,7 @@ pub fn lines(a: &PickAnswer) -> Vec<(&'static str, String)> {
         b.modes_force_ratio,
         b.second_mode_hz,
     ) else {
-        let what = "one: force and safe band hold for the springs' first mode alone; with more modes there may be frequencies in the band at which the force is a fifth less (host-sim modes)";
+        let what = "one: force and safe band are for the springs' first mode alone; with more modes the force may be a fifth less at some frequencies of the band (host-sim modes)";
         return vec![("bending modes", what.to_owned())];
     };
     let mut force = format!(
@@ -112,7 +112,7 @@ pub fn lines(a: &PickAnswer) -> Vec<(&'static str, String)> {
             weak => {
                 let weak: Vec<_> = weak.iter().map(|hz| format!("{hz:.2}")).collect();
                 format!(
-                    "; weakest near {} Hz, of which a multiple is the second mode",
+                    "; weakest near {} Hz, a multiple of which is the second mode's frequency",
                     weak.join(" and ")
                 )
             }

@@ -40,7 +40,7 @@ pub fn run(
     let list = &gaps.mm;
     if list.len() > MOST_GAPS {
         return Err(UserError::new(format!(
-            "--gap: that is {} gaps, at most {MOST_GAPS} are tried; use a larger STEP",
+            "--gap: that is {} gaps, more than {MOST_GAPS}; use a larger STEP",
             list.len()
         )));
     }

@@ -42,8 +42,8 @@ pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
 pub fn table(a: &PickAnswer) -> String {
     let mut text = format!(
-        "What to measure first. Each row: how a change of the parameter moves the nominal optimum, how well the parameter is known, and how far that leaves the force open (the first three are computed over the whole range, the others follow from the slope)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
-        "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
+        "What to measure first. Each row: change of the nominal optimum with the parameter, uncertainty of the parameter, and uncertainty of the force because of it (first three rows: over the whole range; others: from the slope)\n  {:<44} {:>8} {:>13} {:>9}  {:>11}  {:>15}\n",
+        "parameter", "per", "frequency, %", "force, %", "uncertainty", "of the force, %"
     );
     for row in by_what_they_leave_open(a) {
         let known = known_to(row);
@@ -51,7 +51,7 @@ pub fn table(a: &PickAnswer) -> String {
         let guessed = row.force_range_percent.is_none() && row.uncertainty_factor.is_some();
         let open = if guessed { format!("~{open}") } else { open };
         text += &format!(
-            "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>9}  {open:>14}\n",
+            "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>11}  {open:>15}\n",
             row.parameter, row.per, row.frequency_percent, row.force_percent
         );
     }

@@ -40,39 +40,41 @@ use numerics::uncertainty::Uncertainty;
 /// Random starts per gap, if nothing else is asked for.
 const STARTS: u32 = 400;
 
-/// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
+/// Find the frequency to run at: the strongest stable 1/1, with safe band, margins and the demands on the shaker
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores a rig takes 1 to 2 s, each gap of --gap and each value of --over as long, --objective rop 7 s.\n\nExamples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gap 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
+    after_help = "On two cores a rig, a gap of --gap or a value of --over takes 1 to 2 s, --objective rop 7 s.\n\nExamples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gap 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
 )]
-#[command(mut_arg("gaps", |gaps| gaps.help("Clearance at rest, mm [default: 0.0, whatever the rig's]. FROM:TO:STEP, or several: pick at each, and advise at which to run")))]
+#[command(mut_arg("gaps", |gaps| gaps.help("Clearance at rest, mm [default: 0.0, not the rig's]. FROM:TO:STEP, or several: pick at each, and recommend one")))]
 pub struct Args {
     /// All four rigs side by side
     #[arg(long, conflicts_with = "rig")]
     all: bool,
 
-    /// Another rig, or other settings of one, side by side with --rig: NAME|FILE.toml,KEY=VALUE,...; may be given several times
+    /// Another rig, or a rig with other settings, side by side with --rig: NAME|FILE.toml,KEY=VALUE,...; may be given
+    /// several times
     #[arg(long, value_name = "RIG[,KEY=VALUE]", conflicts_with = "all")]
     beside: Vec<String>,
 
-    /// Also write a report of one page, to print: answer, picture, assumptions, what to measure first
+    /// Also write a report of one printable page: answer, picture, assumptions, what to measure first
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["all", "beside"], help_heading = "Output")]
     report: Option<PathBuf>,
 
-    /// With several gaps: random initial conditions per gap, for the share that settles on the orbit picked
+    /// With several gaps: random initial conditions per gap; the answer has the share that settles on the recommended orbit
     #[arg(long, value_name = "N", default_value_t = STARTS)]
     starts: u32,
 
-    /// Pick at each of these values of a parameter of the rig: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with
+    /// Pick at each of these values of a rig's parameter: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with
     /// commas: contact_stiffness_n_per_m=1e6:1e7:log5
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with_all = ["all", "beside", "report"])]
     over: Option<OverOption>,
 
-    /// What to make largest
+    /// Quantity to maximise
     #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
     objective: Objective,
 
-    /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker can
+    /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker's
+    /// force is enough
     #[arg(long, value_name = "N", conflicts_with_all = ["max_force_n", "all", "beside", "over"])]
     want_force_n: Option<f64>,
 
@@ -84,8 +86,7 @@ pub struct Args {
     #[arg(long, value_name = "HZ", help_heading = "Limits")]
     max_frequency_hz: Option<f64>,
 
-    /// Largest force the shaker can give, N: with a cart that recoils the recoil is included. It takes the place of the rig's
-    /// shaker_max_force_n
+    /// Largest force that the shaker can give, N, including its answer to the recoil. Replaces the rig's shaker_max_force_n
     #[arg(long, value_name = "N", help_heading = "Limits")]
     max_shaker_force_n: Option<f64>,
 

@@ -36,7 +36,7 @@ pub fn check(file: &Path) -> Result<(), UserError> {
     let there = file.symlink_metadata();
     if there.is_ok_and(|there| !there.is_symlink()) && !made_from::says(file) {
         return Err(UserError::new(format!(
-            "--report {}: what is there is no report of this program; choose another name",
+            "--report {}: the file there is no report of this program; choose another name",
             file.display()
         )));
     }
@@ -96,10 +96,7 @@ fn measure_first(pick: &Pick) -> impl Iterator<Item = (&str, String)> {
     let slopes = by_what_they_leave_open(&pick.answer).into_iter();
     slopes.take(MOST_MEASURED).map(|slope| {
         let open = match left_open(slope) {
-            Some([_, open]) => format!(
-                "known to {}, which leaves the force open by {open} %; ",
-                known_to(slope)
-            ),
+            Some([_, open]) => format!("uncertainty {}, of the force {open} %; ", known_to(slope)),
             None => String::new(),
         };
         let what = format!(

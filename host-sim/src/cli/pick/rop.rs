@@ -218,7 +218,7 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
         ),
         ("safe band", safe_band(pick)),
         ("stable 1/1", stable(a, |at| hz(pick, at))),
-        ("jumps", jumps(a, "dig the same", between)),
+        ("jumps", jumps(a, "drill the same", between)),
         ("surface that stays", force_optimum(pick)),
         ("cart", cart(pick)),
     ];
@@ -231,7 +231,7 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
     if a.bending.on_beams {
         lines.push((
             "bending modes",
-            "one: what the springs' higher modes change has not been computed on ground that gives way".to_owned(),
+            "one: the effect of the springs' higher modes has not been computed on ground that gives way".to_owned(),
         ));
     }
     lines.push(("shaker", shaker(pick)));
@@ -322,7 +322,7 @@ fn force_optimum(pick: &RopPick) -> String {
         },
     );
     format!(
-        "would be struck hardest at {} Hz, {:.1} % {}; {there}",
+        "would have its largest force at {} Hz, {:.1} % {}; {there}",
         hz(pick, at),
         apart.abs(),
         if apart >= 0.0 { "higher" } else { "lower" }
@@ -334,16 +334,16 @@ fn cart(pick: &RopPick) -> String {
     let recoil = (a.recoil_frequency_hz, g.recoil_rate_um_per_s);
     let prescribed = (a.prescribed_frequency_hz, g.prescribed_rate_um_per_s);
     let (moves, otherwise, (_, own), (at, value)) = match a.cart {
-        CartModel::Recoil => ("recoils", "if it kept to its course", recoil, prescribed),
+        CartModel::Recoil => ("recoils", "with a prescribed cart", recoil, prescribed),
         CartModel::Prescribed => (
             "moves as prescribed",
-            "if it recoiled under its shaker",
+            "with a recoiling cart",
             prescribed,
             recoil,
         ),
     };
     let (Some(own), Some(at), Some(value)) = (own, at, value) else {
-        return format!("{moves}; the other is not known");
+        return format!("{moves}; the other kind of cart was not computed");
     };
     let more = 100.0 * (value / own - 1.0);
     let against = match own > g.rate_of_penetration_um_per_s * (1.0 + 1e-6) {
@@ -367,7 +367,7 @@ fn shaker(pick: &RopPick) -> String {
     });
     let lowered = if pick.answer.amplitude_lowered {
         format!(
-            " (the amplitude is lowered to {:.3} mm: with the rig's no frequency keeps the limits of the shaker)",
+            " (the amplitude is lowered to {:.3} mm: at the rig's amplitude no frequency keeps the shaker's limits)",
             pick.answer.amplitude_mm
         )
     } else {
@@ -384,7 +384,7 @@ fn shaker(pick: &RopPick) -> String {
 /// What to measure first.
 fn sensitivity(pick: &RopPick) -> String {
     let mut text =
-        "\n  what moves the rate       per        rate, %    known to   leaves open, %\n"
+        "\n  parameter                 per        rate, % uncertainty   of the rate, %\n"
             .to_owned();
     for row in &pick.ground.rate_sensitivity {
         let name = row.parameter.split(" (").next().unwrap_or_default();

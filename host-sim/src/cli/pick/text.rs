@@ -205,7 +205,9 @@ fn cart(a: &PickAnswer) -> Lines {
         "cart",
         match a.cart {
             CartModel::Recoil => format!("recoils from the contacts, held by {held}"),
-            CartModel::Prescribed => "moved as prescribed, whatever force that takes".to_owned(),
+            CartModel::Prescribed => {
+                "moved as prescribed, with any force that this takes".to_owned()
+            }
         },
     )];
     if let Some(other) = other_cart(a) {
@@ -239,7 +241,7 @@ fn reserve(a: &PickAnswer) -> &'static str {
     if a.limits.iter().any(LimitUse::is_reserve) {
         "; the frequency keeps a reserve of 1 % from where a rig of the uncertainty loses its 1/1"
     } else if a.limits.iter().any(LimitUse::is_narrow_reserve) {
-        "; a rig of the uncertainty loses its 1/1 less than 1 % below or above the frequency, which is the middle of what is left"
+        "; a rig of the uncertainty loses its 1/1 less than 1 % below or above the frequency, which is the middle of the remaining range"
     } else {
         ""
     }
@@ -329,7 +331,7 @@ fn shaker(a: &PickAnswer) -> Lines {
     let lowered = if a.wanted_force_n.is_some() {
         " (half the stroke that gives the force wanted)"
     } else if a.amplitude_lowered {
-        " (the amplitude is lowered: with the rig's no frequency keeps the limits of the shaker)"
+        " (lowered: at the rig's amplitude no frequency keeps the shaker's limits)"
     } else {
         ""
     };
@@ -375,11 +377,11 @@ fn enough(a: &PickAnswer) -> Option<String> {
         format!("no: {why}")
     } else if a.wanted_force_n.is_some() && assumed(limit) {
         format!(
-            "it needs {here} N; {most} N are assumed, measure what yours can give (shaker_max_force_n)"
+            "it needs {here} N; {most} N are assumed, so measure the largest force of yours (shaker_max_force_n)"
         )
     } else if a.amplitude_lowered {
         format!(
-            "no, not at the rig's amplitude: the strongest 1/1 then needs {at_best} N of it, and it can give {most} N; at the lower amplitude it needs {here} N"
+            "no, not at the rig's amplitude: there the strongest 1/1 needs {at_best} N, and the shaker can give {most} N; at the lower amplitude it needs {here} N"
         )
     } else if limit.binds {
         let moved = if a.operating_frequency_hz < a.nominal_optimum_hz {
@@ -388,7 +390,7 @@ fn enough(a: &PickAnswer) -> Option<String> {
             "higher"
         };
         format!(
-            "no, not at {best_hz} Hz: the strongest 1/1 there needs {at_best} N of it, and it can give {most} N; at the {moved} frequency it needs {here} N"
+            "no, not at {best_hz} Hz: there the strongest 1/1 needs {at_best} N, and the shaker can give {most} N; at the {moved} frequency it needs {here} N"
         )
     } else {
         format!("yes, for the nominal rig: it needs {here} N and can give {most} N")
@@ -420,7 +422,7 @@ fn limits(a: &PickAnswer) -> Lines {
         } else if limit.binds {
             decides(limit, &a.limits)
         } else {
-            "does not bind".to_owned()
+            "does not decide".to_owned()
         };
         ("limit", format!("{}{value}: {binds}", limit.name))
     };
@@ -461,7 +463,7 @@ pub fn ending(end: BranchEnd) -> &'static str {
         BranchEnd::Fold => "the orbit ends: fold or graze",
         BranchEnd::SearchLimit => "end of the search",
         BranchEnd::ContactAtSection => {
-            "it goes on, with a contact at drive phase 0, where it is not followed"
+            "it continues with a contact at drive phase 0, where the search does not follow it"
         }
     }
 }

@@ -69,7 +69,7 @@ pub fn swings() -> RangedI64ValueParser<u32> {
 /// The answers. A reading is 298g, or 298+-1g, or several with blanks or ; between them: "298 299 297.5 g".
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Answers {
-    /// What the hammer hangs on
+    /// Suspension of the hammer
     #[arg(long, value_enum, help_heading = "Hammer")]
     pub support: Option<Support>,
 
@@ -77,11 +77,11 @@ pub struct Answers {
     #[arg(long, value_name = "READING", value_parser = |text: &str| MASS.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
     pub mass: Option<OwnReading>,
 
-    /// Wires: from where they hang to the hammer's centre of mass: 75mm
+    /// Wires: from their suspension to the hammer's centre of mass: 75mm
     #[arg(long, value_name = "READING", value_parser = |text: &str| WIRE_LENGTH.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
     pub wire_length: Option<OwnReading>,
 
-    /// Full swings that were timed, to and fro, cart held still, without contact
+    /// Number of timed full swings, to and fro, cart held still, without contact
     #[arg(long, value_name = "N", value_parser = swings(), requires = "swing_time", help_heading = "Hammer")]
     pub swings: Option<u32>,
 
@@ -89,7 +89,7 @@ pub struct Answers {
     #[arg(long, value_name = "READING", value_parser = |text: &str| SWING_TIME.read(text), allow_hyphen_values = true, requires = "swings", help_heading = "Hammer")]
     pub swing_time: Option<OwnReading>,
 
-    /// Natural frequency, if it is known otherwise: 1.82Hz
+    /// Natural frequency, if you measured it in another way: 1.82Hz
     #[arg(long, value_name = "READING", value_parser = |text: &str| FREQUENCY.read(text), allow_hyphen_values = true, conflicts_with_all = ["swings", "wire_length"], help_heading = "Hammer")]
     pub natural_frequency: Option<OwnReading>,
 
@@ -129,7 +129,7 @@ pub struct Answers {
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["surface", "restitution", "contact_time"], help_heading = "Contact")]
     pub drop_test: Option<PathBuf>,
 
-    /// How far the hammer was pulled back in that test, mm; negative: away from the surface [default: as `identify`]
+    /// Displacement at the release in that test, mm; negative: away from the surface [default: as `identify`]
     #[arg(
         long,
         value_name = "MM",
@@ -138,16 +138,16 @@ pub struct Answers {
     )]
     pub release_mm: Option<f64>,
 
-    /// How long hammer and surface touch in one contact: 0.57ms
+    /// Duration of one contact: 0.57ms
     #[arg(long, value_name = "READING", value_parser = |text: &str| CONTACT_TIME.read(text), allow_hyphen_values = true, help_heading = "Contact")]
     pub contact_time: Option<OwnReading>,
 
-    /// Restitution: with the gap at 0 and the cart still, how far the hammer rebounds over how far it was pulled back
+    /// Restitution: with a gap of 0 and the cart still, the hammer's rebound over the distance that you pulled it back
     #[arg(long, value_name = "READING", value_parser = |text: &str| RESTITUTION.read(text), allow_hyphen_values = true, help_heading = "Contact")]
     pub restitution: Option<OwnReading>,
 
-    /// What the hammer (of steel) strikes: for the stiffness without a contact time, and for the restitution if it is not
-    /// measured
+    /// Material that the steel hammer strikes: gives the stiffness without a contact time, and the restitution if you did
+    /// not measure it
     #[arg(long, value_enum, help_heading = "Contact")]
     pub surface: Option<surface::SurfaceChoice>,
 }

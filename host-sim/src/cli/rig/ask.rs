@@ -106,14 +106,15 @@ impl Dialogue<'_> {
             return Ok(());
         }
         if support == Support::Wires && answers.wire_length.is_none() {
-            let question = "Wires, from where they hang to the hammer's centre of mass, mm";
+            let question = "Wires, from their suspension to the hammer's centre of mass, mm";
             answers.wire_length = self.perhaps(question, |text| WIRE_LENGTH.read_in("mm", text))?;
         }
         let count = |text: &str| match text.parse() {
             Ok(swings @ 1..=100_000) => Ok(swings),
             _ => Err("write a whole number from 1 to 100000".to_owned()),
         };
-        let question = "Full swings timed with the stopwatch, cart held still, without contact";
+        let question =
+            "Number of full swings timed with the stopwatch, cart held still, without contact";
         answers.swings = if answers.wire_length.is_some() {
             self.open(question, count)?
         } else {
@@ -155,7 +156,8 @@ impl Dialogue<'_> {
             })?;
         }
         if answers.restitution.is_none() {
-            let question = "Restitution: how far it rebounds over how far it was pulled back";
+            let question =
+                "Restitution: the hammer's rebound over the distance that you pulled it back";
             answers.restitution = self.perhaps(question, |text| {
                 let restitution = RESTITUTION.read(text)?;
                 ratios(&restitution).map(|_| restitution)
@@ -307,7 +309,8 @@ mod tests {
         }
     }
 
-    /// What contradicts an earlier answer, or makes no contact, is asked again at once; a plain number has the unit asked for.
+    /// What contradicts an earlier answer, or makes no contact, is asked again at once; a plain number has the unit asked
+    /// for.
     #[test]
     fn what_cannot_be_is_asked_again_where_it_was_answered() {
         let typed =
@@ -333,7 +336,8 @@ mod tests {
         crate::cli::rig::describe::describe(&answers).unwrap();
     }
 
-    /// An option cannot be answered better: it is refused before the first question, or asked where an answer contradicts it.
+    /// An option cannot be answered better: it is refused before the first question, or asked where an answer contradicts
+    /// it.
     #[test]
     fn options_that_cannot_be_lose_no_answer() {
         let given = Answers {

@@ -260,7 +260,7 @@ impl Described {
             let than = if apart < 0.0 { "less" } else { "more" };
             let apart = apart.abs();
             self.notes.push(format!(
-                "note: the wires' length gives {length_hz:.3} Hz, {apart:.1} % {than} than what the swings give ({timed_hz:.3} Hz), which is more than both can be wrong; the swings decide (a hammer is longer than a point, and a length is measured to its centre of mass)"
+                "note: the wires' length gives {length_hz:.3} Hz, {apart:.1} % {than} than the swings ({timed_hz:.3} Hz). The difference exceeds both errors; the file has the frequency of the swings (measure the length to the hammer's centre of mass)"
             ));
         }
     }
@@ -269,7 +269,7 @@ impl Described {
         if support == Support::Wires {
             if answers.damping_ratio.is_some() || answers.ring_down.is_some() {
                 self.notes.push(
-                    "note: the model of wires has no damping; what was measured of it is left out"
+                    "note: the model of wires has no damping; the measured damping is left out"
                         .to_owned(),
                 );
             }
@@ -286,7 +286,7 @@ impl Described {
         } else {
             (
                 ASSUMED_DAMPING_RATIO,
-                "not measured: the chapter's; it hardly moves the answer".to_owned(),
+                "not measured: the chapter's; it hardly changes the answer".to_owned(),
             )
         };
         self.file.number("damping_ratio", ratio, &source);
@@ -319,7 +319,7 @@ impl Described {
 
     fn shaker(&mut self, answers: &Answers) {
         let Some(held) = &answers.shaker_loop else {
-            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes less hard (give --shaker-loop, and pick says how much)".to_owned());
+            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the force is smaller (give --shaker-loop, and pick computes it)".to_owned());
             return;
         };
         let known = ("shaker_loop_hz", "shaker_loop_percent");

@@ -23,7 +23,7 @@ use numerics::pick::pick;
 use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
 
-/// Write the file of a rig of one's own from what can be measured: weights, lengths, times
+/// Write a rig file from measured weights, lengths and times
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass 298g --swings 20 --swing-time 10.99s --stroke 1.8mm --cart-mass 5.4kg --surface steel"
@@ -35,13 +35,13 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// Write a rig file from what a scale, a ruler and a stopwatch can measure; asks on a terminal
+    /// Write a rig file from readings of a scale, a ruler and a stopwatch; on a terminal it asks for them
     New(New),
 }
 
 #[derive(Debug, clap::Args)]
 struct New {
-    /// The rig file to write; one that exists is not replaced
+    /// The rig file to write; an existing one is not replaced
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
 
@@ -176,7 +176,7 @@ fn worst_known(rig: &NamedRig, stated: &Stated) -> String {
     };
     rows.sort_by(|a, b| by(b).total_cmp(&by(a)));
     let mut text = String::from(
-        "What to measure better first (how far each leaves force and frequency open, to first order)\n",
+        "What to measure better first (the uncertainty of force and frequency that each causes, to first order)\n",
     );
     for row in &rows {
         if let Some([frequency, force]) = left_open(row) {

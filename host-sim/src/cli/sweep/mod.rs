@@ -24,7 +24,7 @@ use numerics::sweep::{Direction, MeasuredCurve, MeasuredError, sweep};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
-/// The force curve over frequency, from rest or carried up or down
+/// Compute the force curve over frequency, from rest or with the state carried up or down
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "On two cores 370 runs take 3 s from rest, 6 s carried up or down.\n\nExamples:\n  host-sim sweep --ratio 0.8:4.5:0.01 --direction up --out out\n  host-sim sweep --ratio 2 --over contact_stiffness_n_per_m=1e5:1e7:log20"
@@ -34,12 +34,12 @@ pub struct Args {
     #[command(flatten)]
     drive: Drives,
 
-    /// Instead of over frequency, over a parameter of the rig at one frequency: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN
-    /// (N values evenly spaced, or by even factors), or values with commas: contact_stiffness_n_per_m=1e5:1e7:log20
+    /// Sweep a rig's parameter at one frequency: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN (N values evenly spaced, or by
+    /// even factors), or values with commas: contact_stiffness_n_per_m=1e5:1e7:log20
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with = "measured")]
     over: Option<OverOption>,
 
-    /// Each frequency from rest, or the state carried up or down (which shows the jumps)
+    /// Start each frequency from rest, or carry the state up or down (which shows the jumps)
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     direction: Direction,
 
@@ -142,7 +142,7 @@ fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a RunRow>) 
     }
     if failed > 0 {
         output.note(&format!(
-            "note: {failed} of {all} runs failed; their rows say failed, and why"
+            "note: {failed} of {all} runs failed; their rows give the reason"
         ));
     }
 }

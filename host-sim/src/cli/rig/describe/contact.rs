@@ -46,12 +46,12 @@ impl Described {
                 let [low, high] = range;
                 let name = surface.name();
                 self.notes.push(format!(
-                    "note: the contact of steel with {name} has some {low:.1e} to {high:.1e} N/m; a contact time narrows it (--contact-time)"
+                    "note: the contact of steel with {name} has some {low:.1e} to {high:.1e} N/m; measure a contact time for a narrower range (--contact-time)"
                 ));
                 (
                     of_restitution_and_surface(mass_kg, &restitution, range)?,
                     format!(
-                        "steel on {name}: {low:.1e} to {high:.1e} N/m; a contact time narrows it"
+                        "steel on {name}: {low:.1e} to {high:.1e} N/m; narrower with a contact time"
                     ),
                 )
             }
@@ -60,7 +60,7 @@ impl Described {
         let of_damping = format!("{of_restitution}, with that stiffness");
         let wide = contact.widths[0].0 == "contact_stiffness_factor";
         let of_stiffness = if wide {
-            format!("the middle, in logarithms, of {source}")
+            format!("geometric mean of {source}")
         } else {
             source.clone()
         };
