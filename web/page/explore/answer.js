@@ -3,8 +3,8 @@
 import { Chart } from "../common/chart.js";
 import { regimeColour } from "../common/colours.js";
 import { element } from "../common/dom.js";
+import { markField } from "../common/fields.js";
 import { digits } from "../common/numbers.js";
-import { markField } from "./controls.js";
 import { saveButtons } from "../common/save.js";
 
 // In words what ends the stable 1/1.

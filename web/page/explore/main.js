@@ -1,9 +1,10 @@
 // Explore: what the hammer does over gap and frequency, the motion at a point, and where to run it.
 import { element, labelled } from "../common/dom.js";
+import { markField } from "../common/fields.js";
 import { Pool } from "../common/pool.js";
 import { saveButtons } from "../common/save.js";
 import { AnswerPanel } from "./answer.js";
-import { Controls, DECIDES, markField } from "./controls.js";
+import { Controls, DECIDES } from "./controls.js";
 import { PlaneMap } from "./map.js";
 import { mapFile } from "./mapfile.js";
 import { MotionPanel } from "./motion.js";
