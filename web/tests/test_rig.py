@@ -68,8 +68,11 @@ def emulated(opened, scenario="field", events=False, speed="2", **more):
 
 def test_a_scenario_runs_and_holds(opened):
     page = emulated(opened, events=True, speed="5")
+    page.get_by_label("shows").select_option("10")
     power(page, True)
     state(page, ["hold"])
+    # What happened stands on the scope, too.
+    page.wait_for_selector(".scope[aria-label*='seek → hold']")
     assert wrong(page) == ""
     factor = float(page.locator(".factor").get_attribute("data-factor"))
     print(f"emulated rig: {factor:.2f} times real time was measured at 5 times")
@@ -291,6 +294,7 @@ def test_two_pages_at_one_board(browser, server):
     press(one, "Start")
     state(one, ["prove", "ramp", "seek"])
     state(other, ["prove", "ramp", "seek"])
+    one.wait_for_selector(".timeline li:has-text('idle →')")
     one.wait_for_timeout(3000)
     shot(one, "live-1280")
     # The other takes over, and the drive goes on.

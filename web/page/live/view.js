@@ -7,6 +7,9 @@ import { SERIES } from "../common/colours.js";
 import { Picture } from "./picture.js";
 import { Scope } from "./scope.js";
 
+// How many events are kept.
+const MARKS = 60;
+
 // How often the pictures are drawn, ms.
 const DRAW = 120;
 const SPECTRUM = 700;
@@ -29,9 +32,9 @@ function field(label, unit, attributes) {
 }
 
 export class View {
-  // `name` is what recordings are called; `title` of its panel.
-  constructor(container, { name }) {
-    this.name = name;
+  // `name` is what recordings are called; `tells`: changes of state are marked here, as nobody else tells what happens.
+  constructor(container, { name, tells = false }) {
+    Object.assign(this, { name, tells, marks: [] });
     this.board = null;
     this.status = null;
     this.heard = {};
@@ -51,6 +54,7 @@ export class View {
     this.wrong = element("p", { role: "alert", class: "wrong" });
     this.gaps = element("p", { class: "note gaps" });
     this.scope = new Scope();
+    this.lines = element("ol", { class: "timeline", "aria-label": "what happened", tabindex: "0" });
     this.picture = new Picture((seconds, columns) => this.board.trace(seconds, columns), () => this.board && this.panel.offsetParent !== null);
     this.seconds = element("select", { onchange: () => this.drawScope() },
       ...[0.5, 1, 2, 5, 10].map((s) => element("option", { value: s, selected: s === 2 }, `${s} s`)));
@@ -64,7 +68,7 @@ export class View {
       element("div", { class: "live-grid" },
         element("section", { class: "panel", "aria-label": "state" }, element("h2", {}, "State"), element("div", { class: "scroll" }, this.facts), this.gaps),
         element("section", { class: "panel wide", "aria-label": "scope" },
-          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.picture.figure, this.scope.figure),
+          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.picture.figure, this.scope.figure, this.lines),
         element("section", { class: "panel", "aria-label": "blows" }, element("h2", {}, "Blow by blow"), this.force.figure, this.phase.figure),
         element("section", { class: "panel", "aria-label": "spectrum" },
           element("div", { class: "row" }, element("h2", {}, "Spectrum"), element("label", {}, "of ", this.signal)), this.spectrum.figure),
@@ -139,9 +143,25 @@ export class View {
     this.panel.dataset.stale = String(!this.board || performance.now() - this.heardAt > this.silent);
   }
 
+  // Something happened at a time of the board's: it is on the scope and in the list below.
+  mark(time_s, text) {
+    const said = text.replaceAll("->", "→");
+    this.marks = [...this.marks.slice(1 - MARKS), { time_s, text: said }];
+    this.lines.prepend(element("li", {}, `${digits(time_s, 5)} s: ${said}`));
+    while (this.lines.children.length > MARKS) this.lines.lastChild.remove();
+  }
+
+  // Another board or run: nothing has happened yet.
+  forget() {
+    this.marks = [];
+    this.lines.replaceChildren();
+  }
+
   take(heard) {
     this.heardAt = performance.now();
     if (heard.status) {
+      const { state, fault, time_s } = heard.status;
+      if (this.tells && this.status && state !== this.status.state) this.mark(time_s, `${this.status.state} -> ${state}${fault ? `: ${fault.name}` : ""}`);
       this.status = heard.status;
       this.tellDrive();
     }
@@ -218,7 +238,7 @@ export class View {
     this.dirty = false;
     this.enable();
     this.drawFacts();
-    this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()));
+    this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()), this.marks);
     this.picture.play();
     const blows = this.board.blows().slice(-60);
     const draw = (chart, title, y, value, colour) => chart.draw({
