@@ -195,21 +195,42 @@ def test_every_scenario_begins(opened):
     assert wrong(page) == ""
 
 
-def test_settings_are_read_checked_and_written(opened):
+def test_settings_are_a_form_that_is_checked_and_written(opened):
     page = emulated(opened)
-    press(page, "Read")
-    page.wait_for_function("document.querySelector('.live textarea').value.includes('[trips]')")
-    box = page.locator(".live textarea:visible")
+    field = page.locator("[data-setting='trips.no_contact_s']")
+    said = page.locator(".settings [role=status]")
+    assert "As on the board" in said.inner_text()
+    # What cannot be is refused at once and marks its field, a folded one, too.
+    page.locator(".settings summary:text-is('Rig')").click()
+    for key, value in [("trips.force_n", "1"), ("rig.mass_kg", "-1"), ("aim.force_n", "")]:
+        other = page.locator(f"[data-setting='{key}']")
+        before = other.input_value()
+        other.fill(value)
+        other.press("Enter")
+        page.wait_for_selector(f"[data-setting='{key}'][aria-invalid=true]")
+        assert key.split(".")[1] in page.locator(".settings .wrong").inner_text()
+        other.fill(before)
+        other.press("Enter")
+        page.wait_for_selector(f"[data-setting='{key}']:not([aria-invalid])")
+    field.fill("7.5")
+    field.press("Enter")
+    assert "1 of them differs" in said.inner_text()
+    press(page, "Write what differs")
+    says(page, "in use and stored")
+    assert float(field.input_value()) == 7.5 and "As on the board" in said.inner_text()
+    # The same as a text.
+    page.get_by_text("As the text of a settings file").click()
+    page.wait_for_function("document.querySelector('.settings textarea').value.includes('no_contact_s = 7.5')")
+    box = page.locator(".settings textarea")
     box.fill("[trips]\nforce = 1\n")
-    press(page, "Check")
-    page.wait_for_function("document.body.innerText.includes(\"did you mean 'force_n'\")")
-    box.fill("[trips]\nno_contact_s = 7.5\n")
-    press(page, "Check")
-    page.wait_for_function("document.body.innerText.includes('in order')")
-    press(page, "Write")
-    page.wait_for_function("document.body.innerText.includes('in use and stored')")
-    press(page, "Read")
-    page.wait_for_function("document.querySelector('.live textarea').value.includes('no_contact_s = 7.5')")
+    press(page, "Put the text into the form")
+    says(page, "did you mean 'force_n'")
+    box.fill("[trips]\nno_contact_s = 6.5\n[operator]\nheartbeat = true\n")
+    press(page, "Put the text into the form")
+    assert float(field.input_value()) == 6.5 and "2 of them differ" in said.inner_text()
+    press(page, "Read again")
+    says(page, "Read. As on the board.")
+    assert float(field.input_value()) == 7.5
 
 
 def test_a_recording_replays_bit_for_bit_on_this_machine(opened, tmp_path):

@@ -1,11 +1,12 @@
 // What is seen of a board and what steers it: state, limits, faults, scope, force and phase per blow, spectrum; start, stop, set-points,
 // settings, recording. The same for a board on a port and for the emulated one.
 import { Chart } from "../common/chart.js";
-import { element, fresh } from "../common/dom.js";
+import { element } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { SERIES } from "../common/colours.js";
 import { Picture } from "./picture.js";
 import { Scope } from "./scope.js";
+import { SettingsForm } from "./settings.js";
 
 // How many events are kept.
 const MARKS = 60;
@@ -55,6 +56,7 @@ export class View {
     this.gaps = element("p", { class: "note gaps" });
     this.scope = new Scope();
     this.lines = element("ol", { class: "timeline", "aria-label": "what happened", tabindex: "0" });
+    this.settings = new SettingsForm();
     this.picture = new Picture((seconds, columns) => this.board.trace(seconds, columns), () => this.board && this.panel.offsetParent !== null);
     this.seconds = element("select", { onchange: () => this.drawScope() },
       ...[0.5, 1, 2, 5, 10].map((s) => element("option", { value: s, selected: s === 2 }, `${s} s`)));
@@ -72,8 +74,8 @@ export class View {
         element("section", { class: "panel", "aria-label": "blows" }, element("h2", {}, "Blow by blow"), this.force.figure, this.phase.figure),
         element("section", { class: "panel", "aria-label": "spectrum" },
           element("div", { class: "row" }, element("h2", {}, "Spectrum"), element("label", {}, "of ", this.signal)), this.spectrum.figure),
-        this.buildSettings(),
         this.buildRecording(),
+        this.settings.node,
       ));
     container.append(this.panel);
   }
@@ -90,28 +92,6 @@ export class View {
       kind: "set-point", frequency_hz: number(this.hz.input, "Frequency"), amplitude_mm: number(this.mm.input, "Amplitude"),
     }).then(() => `asked for ${this.hz.input.value} Hz and ${this.mm.input.value} mm; what a limit holds back stands under "limited by"`));
     this.controls = element("div", { class: "controls row" }, this.stopButton, this.start, this.manual, this.hz.node, this.mm.node, this.set, this.clear);
-  }
-
-  buildSettings() {
-    const id = fresh("settings");
-    this.toml = element("textarea", { id, rows: 10, spellcheck: "false" });
-    this.readButton = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      this.toml.value = (await this.board.ask({ kind: "settings" })).toml;
-      return "settings read";
-    }) }, "Read");
-    this.check = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      this.board.checkSettings(this.toml.value);
-      return "these settings are in order; they have not been written";
-    }) }, "Check");
-    this.write = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      await this.board.ask({ kind: "set-settings", toml: this.toml.value });
-      await this.board.ask({ kind: "settings" });
-      return "the settings are in use and stored";
-    }) }, "Write");
-    return element("section", { class: "panel", "aria-label": "settings" }, element("h2", {}, "Settings"),
-      element("div", { class: "row" }, this.readButton, this.check, this.write),
-      element("p", { class: "note" }, "Written in idle only, checked as a whole."),
-      element("label", { for: id, class: "note" }, "As a TOML file; what is left out stays"), this.toml);
   }
 
   buildRecording() {
@@ -133,7 +113,10 @@ export class View {
     this.status = null;
     this.heard = {};
     this.tellAge();
-    if (board) board.onheard = (heard) => this.take(heard);
+    if (board) {
+      board.onheard = (heard) => this.take(heard);
+      this.settings.show(board);
+    }
     this.tellDrive();
     this.enable();
   }
@@ -225,9 +208,7 @@ export class View {
     this.manual.disabled = !(commands && state === "idle");
     this.set.disabled = !(commands && ["manual", "prove", "ramp", "self-test"].includes(state));
     this.clear.disabled = !(commands && state === "fault");
-    this.readButton.disabled = !this.board;
-    this.check.disabled = !this.board;
-    this.write.disabled = !(commands && ["idle", "fault"].includes(state));
+    this.settings.enable(this.board, commands && ["idle", "fault"].includes(state));
     this.record.disabled = !(commands && state === "idle" && !this.recording);
     this.save.disabled = !(this.board && this.recording);
   }
