@@ -71,8 +71,12 @@ def test_the_file_is_small_and_needs_nothing_else(opened):
     assert not outside and not page.said
 
 
-def test_first_paint_and_first_map(opened):
+def test_first_paint_first_map_and_a_move(opened):
     page = opened(width=1280, height=900)
+    page.page.evaluate("""() => {
+      window.shifts = [];
+      new PerformanceObserver((list) => shifts.push(...list.getEntries().map((one) => one.value))).observe({ type: "layout-shift" });
+    }""")
     page.idle()
     page.page.wait_for_selector(".explore[data-finest]")
     paint = page.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
@@ -84,6 +88,41 @@ def test_first_paint_and_first_map(opened):
         f" map coarse {parts['coarse']} ms, fine {parts['fine']} ms, finest {parts['finest']} ms"
     )
     assert float(parts["coarse"]) <= float(parts["fine"]) <= float(parts["finest"])
+    # A move of a slider: the first answer after it takes the grey away.
+    page.page.evaluate("""() => {
+      const [slider, answer] = [document.querySelector("[data-key=mass_kg]"), document.querySelector(".answer")];
+      const [began, before] = [performance.now(), document.querySelector(".headline").textContent];
+      window.moved = new Promise((resolve) => new MutationObserver(() => {
+        if (document.querySelector(".headline").textContent !== before && !answer.classList.contains("stale")) resolve(performance.now() - began);
+      }).observe(answer, { subtree: true, childList: true, attributes: true }));
+      slider.value = 0.2;
+      slider.dispatchEvent(new Event("input"));
+    }""")
+    print(f"answer {page.page.evaluate('moved'):.0f} ms after a move of a slider")
+    page.idle()
+    # Nothing that stood on the screen was pushed away meanwhile.
+    assert page.page.evaluate("shifts.reduce((a, b) => a + b, 0)") < 0.02
+
+
+def test_the_curve_has_the_map_s_axis_and_leads_to_the_motion(opened):
+    page = opened("#explore?rig=wires&detail=coarse", width=1280, height=900)
+    page.idle()
+    ticks = """picture => [picture.getBoundingClientRect().left, ...[...picture.querySelectorAll("text[text-anchor=middle]")].filter((one) => one.textContent.trim() !== "" && Number.isFinite(Number(one.textContent)))
+      .map((one) => [one.textContent, Number(one.getAttribute("x")).toFixed(3)])]"""
+    curve, plane = page.page.locator(".map .chart"), page.page.locator(".plane svg")
+    assert curve.bounding_box()["y"] < plane.bounding_box()["y"]
+    seen = []
+    for act in [lambda: None, lambda: page.page.get_by_role("button", name="zoom in").click(), lambda: page.page.select_option("#units", "absolute")]:
+        act()
+        seen.append(curve.evaluate(ticks))
+        assert len(seen[-1]) > 3 and seen[-1] == plane.evaluate(ticks)
+    assert seen[0] != seen[1] != seen[2]
+    # A click takes the motion at that frequency, which both pictures mark.
+    page.page.get_by_role("button", name="show the whole plane").click()
+    curve.click(position={"x": 250, "y": 100})
+    page.page.wait_for_selector(".motion[data-state=shown]")
+    post, cross = curve.locator("line.mark").get_attribute("x1"), plane.locator(".cross").get_attribute("d")
+    assert abs(float(post) - 11 - float(cross[1:].split(" ")[0])) < 0.01 and abs(float(post) - 250) < 1
 
 
 @pytest.mark.parametrize("rig,cart", [("wires", "prescribed"), ("beam-150", "recoil")])
