@@ -212,6 +212,13 @@ def test_settings_are_a_form_that_is_checked_and_written(opened):
         other.fill(before)
         other.press("Enter")
         page.wait_for_selector(f"[data-setting='{key}']:not([aria-invalid])")
+    # Another law of the contact brings its own parameters, and takes them with it.
+    law, exponent = page.locator("[data-setting='rig.contact_law']"), page.locator("[data-setting='rig.contact_exponent']")
+    law.select_option("hertz")
+    exponent.wait_for()
+    law.select_option("spring-dashpot")
+    exponent.wait_for(state="detached")
+    assert "As on the board" in said.inner_text() and page.locator(".settings .wrong").inner_text() == ""
     field.fill("7.5")
     field.press("Enter")
     assert "1 of them differs" in said.inner_text()

@@ -21,6 +21,10 @@ function parsed(toml) {
   return entries;
 }
 
+const named = ({ section, key }) => `${section}.${key}`;
+
+const bare = (value) => value.replaceAll('"', "");
+
 export class SettingsForm {
   constructor() {
     const id = fresh("settings");
@@ -36,10 +40,10 @@ export class SettingsForm {
     });
     this.text = element("textarea", { id, rows: 12, spellcheck: "false" });
     this.take = button("Put the text into the form", () => {
-      this.fill(this.board.checkSettings(this.text.value));
+      this.build(this.board.checkSettings(this.text.value));
       return "The text is in the form; it has not been written.";
     });
-    this.asText = element("details", { ontoggle: () => this.showText() }, element("summary", {}, "As the text of a settings file"),
+    this.asText = element("details", { ontoggle: () => this.board && this.check() }, element("summary", {}, "As the text of a settings file"),
       element("label", { for: id, class: "note" }, "What is left out stays as it is on the board"), this.text, this.take);
     this.node = element("section", { class: "panel settings", "aria-label": "settings" }, element("h2", {}, "Settings"),
       element("div", { class: "row" }, this.read, this.write), this.said, this.wrong, this.groups, this.asText);
@@ -64,16 +68,20 @@ export class SettingsForm {
   // Shows the settings that a board said it has.
   show(board) {
     this.board = board;
-    const toml = board.settings.toml;
-    const choices = { ...board.engine.json("explore.choices", null), kind: ["shaker", "motor"] };
-    this.fields = parsed(toml).map((entry) => this.field(entry, choices[entry.key]));
+    this.build(board.settings.toml);
+  }
+
+  // Fields for all settings of a text. Which there are depends on the contact's law, for one.
+  build(toml) {
+    const choices = { ...this.board.engine.json("explore.choices", null), kind: ["shaker", "motor"] };
+    const boards = new Map(parsed(this.board.settings.toml).map((entry) => [named(entry), bare(entry.value)]));
+    this.fields = parsed(toml).map((entry) => this.field(entry, boards.get(named(entry)), choices[entry.key]));
     const open = new Set([...this.groups.querySelectorAll("details[open]")].map((one) => one.dataset.section));
-    const named = Object.keys(SECTIONS).map((section) => {
+    this.groups.replaceChildren(...Object.keys(SECTIONS).map((section) => {
       const opened = this.groups.children.length ? open.has(section) : OPEN.includes(section);
       return element("details", { open: opened, "data-section": section }, element("summary", {}, SECTIONS[section]),
         ...this.fields.filter((one) => one.section === section).map((one) => one.row));
-    });
-    this.groups.replaceChildren(...named);
+    }));
     this.check();
   }
 
@@ -83,30 +91,24 @@ export class SettingsForm {
     return said;
   }
 
-  field({ section, key, value, meaning }, choices) {
+  // `own` is the board's value, if it has this setting.
+  field({ section, key, value, meaning }, own, choices) {
     const id = fresh(key);
-    const common = { id, "data-setting": `${section}.${key}`, "aria-describedby": `${id}-meaning`, onchange: () => this.check() };
-    const bare = value.replaceAll('"', "");
-    const input = choices ? element("select", common, ...choices.map((one) => element("option", { value: one }, one)))
-      : value === "true" || value === "false" ? element("input", { type: "checkbox", ...common })
-        : element("input", { type: value.startsWith('"') ? "text" : "number", step: "any", ...common });
-    const set = (text) => {
-      if (input.type === "checkbox") input.checked = text === "true";
-      else input.value = text;
-    };
-    set(bare);
+    const common = { id, "data-setting": named({ section, key }), "aria-describedby": `${id}-meaning`, onchange: () => {
+      // Another law of the contact has parameters of its own.
+      if (key === "contact_law") this.fields = this.fields.filter((one) => !one.key.startsWith("contact_") || one.key === key);
+      this.check();
+    } };
+    const input = choices ? element("select", { ...common, value: bare(value) }, ...choices.map((one) => element("option", { value: one }, one)))
+      : value === "true" || value === "false" ? element("input", { type: "checkbox", checked: value === "true", ...common })
+        : element("input", { type: value.startsWith('"') ? "text" : "number", step: "any", value: bare(value), ...common });
     const row = element("div", { class: "setting" }, element("label", { for: id }, title(key)), input, element("span", { class: "note", id: `${id}-meaning` }, meaning));
     const now = () => (input.type === "checkbox" ? String(input.checked) : input.value);
-    const differs = () => (input.type === "number" && now() !== "" ? Number(now()) !== Number(bare) : now() !== bare);
+    const differs = () => (input.type === "number" && now() !== "" ? Number(now()) !== Number(own) : now() !== own);
     // A word stands in quotes, a number or a switch as it is; an empty field is refused like a word.
     const isWord = () => input.type !== "checkbox" && (now().trim() === "" || Number.isNaN(Number(now())));
     const line = () => `${key} = ${isWord() ? JSON.stringify(now()) : now()}`;
-    return { section, key, input, row, set, differs, line };
-  }
-
-  fill(toml) {
-    for (const { section, key, value } of parsed(toml)) this.fields.find((one) => one.section === section && one.key === key)?.set(value.replaceAll('"', ""));
-    this.check();
+    return { section, key, input, row, differs, line };
   }
 
   // What differs from the board's, as the text of a settings file.
@@ -125,26 +127,19 @@ export class SettingsForm {
     }
     const count = this.fields.filter((one) => one.differs()).length;
     this.said.textContent = `${count === 0 ? "As on the board." : `${count} of them ${count === 1 ? "differs" : "differ"} from the board's.`} They can be written in idle or fault, and are checked as a whole.`;
+    let whole = null;
     try {
-      this.board.checkSettings(this.changes());
+      whole = this.board.checkSettings(this.changes());
     } catch (error) {
       this.wrong.textContent = error.message;
-      const named = ({ section, key }) => error.message.includes(`${section}.${key} `) || (section === "rig" && new RegExp(`\\b${key}\\b`).test(error.message));
-      const found = this.fields.find(named);
+      const about = (one) => error.message.includes(`${named(one)} `) || (one.section === "rig" && new RegExp(`\\b${one.key}\\b`).test(error.message));
+      const found = this.fields.find(about);
       if (found) {
         markField(found.input, error.message);
         found.row.closest("details").open = true;
       }
     }
-    this.showText();
-  }
-
-  showText() {
-    if (!this.asText.open || !this.board) return;
-    try {
-      this.text.value = this.board.checkSettings(this.changes());
-    } catch {
-      this.text.value = this.changes();
-    }
+    if (whole && parsed(whole).map(named).join() !== this.fields.map(named).join()) this.build(whole);
+    else if (this.asText.open) this.text.value = whole ?? this.changes();
   }
 }
