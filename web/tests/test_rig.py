@@ -118,12 +118,12 @@ def test_set_points_by_hand(opened):
     page = emulated(opened)
     press(page, "Start by hand")
     state(page, ["manual"])
-    page.get_by_label("Frequency, Hz").fill("2.5")
-    page.get_by_label("Amplitude, mm").fill("0.4")
+    page.get_by_label("Frequency, Hz", exact=True).fill("2.5")
+    page.get_by_label("Amplitude, mm", exact=True).fill("0.4")
     press(page, "Set")
     page.wait_for_function("[...document.querySelectorAll('.facts td')].some(cell => cell.textContent.startsWith('2.5 Hz'))")
     # An empty field is no zero, what cannot be is refused, and what a limit holds back is told.
-    amplitude = page.get_by_label("Amplitude, mm")
+    amplitude = page.get_by_label("Amplitude, mm", exact=True)
     for value, said in [("", "Amplitude: write a number"), ("-5", "not negative")]:
         amplitude.fill(value)
         press(page, "Set")

@@ -67,8 +67,8 @@ class EmulatedRig {
         element("div", { class: "row" }, ...DEEDS.map(([text, event]) => deed(text, event))),
         element("div", { class: "row" }, "Break a sensor: ", this.sensor, this.defect,
           element("button", { type: "button", class: "deed", onclick: () => breaking(0) }, "for good"),
-          element("button", { type: "button", class: "deed", onclick: () => breaking(2) }, "for 2 s")),
-        this.truth),
+          element("button", { type: "button", class: "deed", onclick: () => breaking(2) }, "for 2 s"))),
+      this.truth,
     );
     this.view = new View(container, { name: "emulated" });
     this.choice.onchange = this.events.onchange = () => this.describe();
