@@ -50,8 +50,8 @@ export class AnswerPanel {
     this.saves = element("div", { class: "row" });
     this.panel = element("section", { class: "panel answer", "aria-label": "Recommendation" },
       element("h2", {}, "Where to run it"), this.problem, this.said);
-    this.beside = element("section", { class: "panel beside", "aria-label": "More about the recommendation" },
-      this.took, this.more, this.table,
+    this.beside = element("section", { class: "panel beside", "aria-label": "About this answer" },
+      element("h2", {}, "About this answer"), this.took, this.more, this.table,
       element("details", {}, element("summary", {}, "Limits of the machine"), ...this.limits.map((one) => one.label)), this.saves);
     this.tell({});
     this.leave = new AbortController();
