@@ -68,8 +68,11 @@ def emulated(opened, scenario="field", events=False, speed="2", **more):
 
 def test_a_scenario_runs_and_holds(opened):
     page = emulated(opened, events=True, speed="5")
+    page.get_by_label("shows").select_option("10")
     power(page, True)
     state(page, ["hold"])
+    # What happened stands on the scope, too.
+    page.wait_for_selector(".scope[aria-label*='seek → hold']")
     assert wrong(page) == ""
     factor = float(page.locator(".factor").get_attribute("data-factor"))
     print(f"emulated rig: {factor:.2f} times real time was measured at 5 times")
@@ -115,12 +118,12 @@ def test_set_points_by_hand(opened):
     page = emulated(opened)
     press(page, "Start by hand")
     state(page, ["manual"])
-    page.get_by_label("Frequency, Hz").fill("2.5")
-    page.get_by_label("Amplitude, mm").fill("0.4")
+    page.get_by_label("Frequency, Hz", exact=True).fill("2.5")
+    page.get_by_label("Amplitude, mm", exact=True).fill("0.4")
     press(page, "Set")
     page.wait_for_function("[...document.querySelectorAll('.facts td')].some(cell => cell.textContent.startsWith('2.5 Hz'))")
     # An empty field is no zero, what cannot be is refused, and what a limit holds back is told.
-    amplitude = page.get_by_label("Amplitude, mm")
+    amplitude = page.get_by_label("Amplitude, mm", exact=True)
     for value, said in [("", "Amplitude: write a number"), ("-5", "not negative")]:
         amplitude.fill(value)
         press(page, "Set")
@@ -192,21 +195,49 @@ def test_every_scenario_begins(opened):
     assert wrong(page) == ""
 
 
-def test_settings_are_read_checked_and_written(opened):
+def test_settings_are_a_form_that_is_checked_and_written(opened):
     page = emulated(opened)
-    press(page, "Read")
-    page.wait_for_function("document.querySelector('.live textarea').value.includes('[trips]')")
-    box = page.locator(".live textarea:visible")
+    field = page.locator("[data-setting='trips.no_contact_s']")
+    said = page.locator(".settings [role=status]")
+    assert "As on the board" in said.inner_text()
+    # What cannot be is refused at once and marks its field, a folded one, too.
+    page.locator(".settings summary:text-is('Rig')").click()
+    for key, value in [("trips.force_n", "1"), ("rig.mass_kg", "-1"), ("aim.force_n", "")]:
+        other = page.locator(f"[data-setting='{key}']")
+        before = other.input_value()
+        other.fill(value)
+        other.press("Enter")
+        page.wait_for_selector(f"[data-setting='{key}'][aria-invalid=true]")
+        assert key.split(".")[1] in page.locator(".settings .wrong").inner_text()
+        other.fill(before)
+        other.press("Enter")
+        page.wait_for_selector(f"[data-setting='{key}']:not([aria-invalid])")
+    # Another law of the contact brings its own parameters, and takes them with it.
+    law, exponent = page.locator("[data-setting='rig.contact_law']"), page.locator("[data-setting='rig.contact_exponent']")
+    law.select_option("hertz")
+    exponent.wait_for()
+    law.select_option("spring-dashpot")
+    exponent.wait_for(state="detached")
+    assert "As on the board" in said.inner_text() and page.locator(".settings .wrong").inner_text() == ""
+    field.fill("7.5")
+    field.press("Enter")
+    assert "1 of them differs" in said.inner_text()
+    press(page, "Write what differs")
+    says(page, "in use and stored")
+    assert float(field.input_value()) == 7.5 and "As on the board" in said.inner_text()
+    # The same as a text.
+    page.get_by_text("As the text of a settings file").click()
+    page.wait_for_function("document.querySelector('.settings textarea').value.includes('no_contact_s = 7.5')")
+    box = page.locator(".settings textarea")
     box.fill("[trips]\nforce = 1\n")
-    press(page, "Check")
-    page.wait_for_function("document.body.innerText.includes(\"did you mean 'force_n'\")")
-    box.fill("[trips]\nno_contact_s = 7.5\n")
-    press(page, "Check")
-    page.wait_for_function("document.body.innerText.includes('in order')")
-    press(page, "Write")
-    page.wait_for_function("document.body.innerText.includes('in use and stored')")
-    press(page, "Read")
-    page.wait_for_function("document.querySelector('.live textarea').value.includes('no_contact_s = 7.5')")
+    press(page, "Put the text into the form")
+    says(page, "did you mean 'force_n'")
+    box.fill("[trips]\nno_contact_s = 6.5\n[operator]\nheartbeat = true\n")
+    press(page, "Put the text into the form")
+    assert float(field.input_value()) == 6.5 and "2 of them differ" in said.inner_text()
+    press(page, "Read again")
+    says(page, "Read. As on the board.")
+    assert float(field.input_value()) == 7.5
 
 
 def test_a_recording_replays_bit_for_bit_on_this_machine(opened, tmp_path):
@@ -291,6 +322,7 @@ def test_two_pages_at_one_board(browser, server):
     press(one, "Start")
     state(one, ["prove", "ramp", "seek"])
     state(other, ["prove", "ramp", "seek"])
+    one.wait_for_selector(".timeline li:has-text('idle →')")
     one.wait_for_timeout(3000)
     shot(one, "live-1280")
     # The other takes over, and the drive goes on.

@@ -12,7 +12,7 @@ text { fill: var(--ink); font: 12px system-ui, "DejaVu Sans", sans-serif; }
 .mark { stroke: var(--ink); fill: none; }
 `;
 
-const MARGIN = { left: 62, right: 12, top: 26, bottom: 42 };
+export const MARGIN = { left: 62, right: 12, top: 26, bottom: 42 };
 const TITLE = { letter: 7.2, line: 15 };
 
 // The space between two values, on the screen.
@@ -63,14 +63,15 @@ function mark(shape, x, y, colour) {
   return svg("circle", { cx: x, cy: y, r: 2.5, fill: colour });
 }
 
-// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, circles, description }. A
-// series is { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { from, to, colour } over x, a
-// line { at } across, a circle { radius } about the origin. The ranges are those of the points, unless rangeX or rangeY say
-// otherwise; `tight` leaves no margin over x, `least` are the narrowest spans, `equal` gives x the scale of y.
+// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, posts, circles, description }.
+// A series is { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { label, from, to, colour } over x,
+// a line { at } across, a post the x of an upright line, a circle { radius } about the origin. The ranges are those of the points,
+// unless rangeX or rangeY say otherwise; `tight` leaves no margin over x, `least` are the narrowest spans, `equal` gives x the scale of
+// y, `left` is where the plot begins.
 export class Chart {
   constructor({ height = 260, label = "chart" } = {}) {
     this.height = height;
-    this.picture = svg("svg", { role: "img", "aria-label": label, class: "chart" });
+    this.picture = svg("svg", { role: "img", "aria-label": label, class: "chart", height });
     this.readout = element("output", { class: "readout" });
     this.legend = element("div", { class: "legend" });
     this.figure = element("figure", {}, this.picture, this.legend, this.readout);
@@ -97,7 +98,7 @@ export class Chart {
     const tall = this.height - top - MARGIN.bottom;
     // Room for the longest number beside the axis's name.
     const letters = Math.max(...ticks(...rangeY, Math.max(2, tall / 45)).map(({ text }) => text.length), 0);
-    const left = Math.max(MARGIN.left, 32 + 7.2 * letters);
+    const left = data.left ?? Math.max(MARGIN.left, 32 + 7.2 * letters);
     const plot = { left, top, width: width - left - MARGIN.right, height: tall };
     // Above the plot where it fits there, else from the left edge.
     const titleX = title.length > 1 || title[0].length * TITLE.letter > plot.width ? MARGIN.right : left;
@@ -125,17 +126,21 @@ export class Chart {
     this.legend.replaceChildren(...data.series.filter((one) => one.label).map((one) => element("span", {},
       svg("svg", { width: 22, height: 10, "aria-hidden": "true" }, one.kind === "points" ? mark(one.shape, 11, 5, one.colour)
         : svg("line", { x1: 1, x2: 21, y1: 5, y2: 5, stroke: one.colour, "stroke-width": 2, "stroke-dasharray": one.dash ?? null })),
-      ` ${one.label}`)));
+      ` ${one.label}`)), ...(data.bands ?? []).filter((one) => one.label).map((one) => element("span", {},
+      svg("svg", { width: 22, height: 10, "aria-hidden": "true" }, svg("rect", { x: 1, width: 20, height: 10, fill: one.colour, opacity: 0.35 })), ` ${one.label}`)));
   }
 
   contents(data, clip) {
     const { x, y, plot } = this.space;
     const group = svg("g", { "clip-path": `url(#${clip})` });
     for (const band of data.bands ?? []) {
-      group.append(svg("rect", { x: x(band.from), width: Math.max(1, x(band.to) - x(band.from)), y: plot.top, height: plot.height, fill: band.colour, opacity: 0.25 }));
+      group.append(svg("rect", { x: x(band.from), width: Math.max(1, x(band.to) - x(band.from)), y: plot.top, height: plot.height, fill: band.colour, opacity: 0.35 }));
     }
     for (const line of data.lines ?? []) {
       group.append(svg("line", { class: "mark", x1: plot.left, x2: plot.left + plot.width, y1: y(line.at), y2: y(line.at), "stroke-dasharray": "4 3" }));
+    }
+    for (const post of data.posts ?? []) {
+      group.append(svg("line", { class: "mark", x1: x(post), x2: x(post), y1: plot.top, y2: plot.top + plot.height, "stroke-dasharray": "4 3" }));
     }
     for (const circle of data.circles ?? []) {
       const [rx, ry] = [x(circle.radius) - x(0), y(0) - y(circle.radius)];

@@ -47,7 +47,6 @@ class EmulatedRig {
     this.run = element("button", { type: "button", onclick: () => this.restart() }, "Begin");
     this.about = element("p", { class: "note" });
     this.truth = element("p", { class: "note truth" });
-    this.lines = element("ol", { class: "timeline", "aria-label": "what happened" });
     this.wrong = element("p", { role: "alert", class: "wrong" });
     this.sensor = element("select", { "aria-label": "sensor" }, ...SENSORS.map((name) => element("option", {}, name)));
     this.defect = element("select", { "aria-label": "defect" }, ...DEFECTS.map(([label], at) => element("option", { value: at }, label)));
@@ -62,13 +61,14 @@ class EmulatedRig {
         element("label", {}, "Scenario ", this.choice), element("label", {}, this.events, " with its events"), this.run,
         element("label", {}, "Speed ", this.speed), this.factor),
       this.about, this.wrong,
-      element("details", { class: "panel", open: true },
+      // On a phone the rig itself comes first.
+      element("details", { class: "panel", open: innerWidth > 760 },
         element("summary", {}, "Do something to the rig"),
         element("div", { class: "row" }, ...DEEDS.map(([text, event]) => deed(text, event))),
         element("div", { class: "row" }, "Break a sensor: ", this.sensor, this.defect,
           element("button", { type: "button", class: "deed", onclick: () => breaking(0) }, "for good"),
-          element("button", { type: "button", class: "deed", onclick: () => breaking(2) }, "for 2 s")),
-        this.truth, this.lines),
+          element("button", { type: "button", class: "deed", onclick: () => breaking(2) }, "for 2 s"))),
+      this.truth,
     );
     this.view = new View(container, { name: "emulated" });
     this.choice.onchange = this.events.onchange = () => this.describe();
@@ -123,9 +123,9 @@ class EmulatedRig {
     this.running = { name: this.choice.value, events: this.events.checked };
     this.describe();
     this.wrong.textContent = "";
-    this.lines.replaceChildren();
     this.board?.close();
     this.view.show(null);
+    this.view.forget();
     this.worker.postMessage({ scenario: { name: this.choice.value, events: this.events.checked }, speed: Number(this.speed.value) });
   }
 
@@ -160,9 +160,6 @@ class EmulatedRig {
   tell(truth) {
     this.truth.textContent = `In truth: ${digits(truth.time_s, 5)} s of rig time, drive ${truth.powered ? "on" : "off"}, ${truth.contacts} contacts, the last with ${digits(truth.peak_n)} N and ${digits(truth.impulse_n_s)} N·s.`;
     this.truth.dataset.powered = String(truth.powered);
-    for (const { time_s: time, text } of truth.events) {
-      this.lines.prepend(element("li", {}, `${digits(time, 5)} s: ${text}`));
-    }
-    while (this.lines.children.length > 60) this.lines.lastChild.remove();
+    for (const { time_s, text } of truth.events) this.view.mark(time_s, text);
   }
 }

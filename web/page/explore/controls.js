@@ -1,5 +1,6 @@
 // The rig: preset or file, a slider for every parameter, how the cart is moved.
 import { element, fresh } from "../common/dom.js";
+import { title } from "../common/fields.js";
 
 // Sliders reach from the rig's own value down and up by this factor.
 const REACH = 4;
@@ -16,15 +17,14 @@ const STRAIGHT = {
 export const DECIDES = ["natural_frequency_hz", "wire_length_mm", "gravity_m_per_s2"];
 const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"] };
 
-const UNITS = [["_m_per_s2", "m/s²"], ["_n_per_m3", "N/m³"], ["_n_s_per_m", "N·s/m"], ["_s_per_m", "s/m"], ["_n_per_m", "N/m"], ["_kg", "kg"], ["_mm", "mm"], ["_hz", "Hz"], ["_force_n", "N"]];
-
-// A parameter's name and unit as people read them: "mass, kg".
-export function title(key) {
-  const [ending, unit] = UNITS.find(([one]) => key.endsWith(one)) ?? ["", ""];
-  const cut = ending === "_force_n" ? "_n" : ending;
-  const name = key.slice(0, key.length - cut.length).replaceAll("_", " ");
-  return unit ? `${name}, ${unit}` : name;
-}
+// The parameters in groups: those that most people move stand open, the rest is folded under a name of its own.
+const GROUPS = [
+  { name: "Hammer", more: "More of the hammer", has: (key) => !/^(cart|shaker|amplitude|contact|gap)_/.test(key) },
+  { name: "Cart and shaker", more: "More of cart and shaker", has: (key) => /^(cart|shaker|amplitude)_/.test(key) },
+  { name: "Surface", more: "Contact law, stiffness, damping", has: (key) => key.startsWith("contact_") },
+  { name: "Gap", has: (key) => key === "gap_mm" },
+];
+const USUAL = ["mass_kg", "natural_frequency_hz", "amplitude_mm", "gap_mm"];
 
 // A mistake in the page's words: parameters by their names here, and no options of the command line.
 function inWords(message, keys) {
@@ -44,7 +44,14 @@ export class Controls {
       element("option", { value: "prescribed" }, "as prescribed (the chapter's model)"),
       element("option", { value: "recoil" }, "recoils under its shaker"));
     this.file = element("input", { type: "file", id: "rigfile", accept: ".toml,text/plain", onchange: () => this.read(this.file.files[0]) });
-    this.list = element("div", { class: "parameters" });
+    this.groups = GROUPS.map(({ name, more }) => {
+      const id = fresh("group");
+      const [usual, rest] = [element("div"), element("div")];
+      const folded = more && element("details", {}, element("summary", {}, more), rest);
+      return { usual, rest, folded, node: element("div", { role: "group", "aria-labelledby": id }, element("h3", { id }, name), usual, folded) };
+    });
+    // How the cart moves is no parameter of the rig, but stands with the cart's.
+    this.groups[1].rest.before(element("div", { class: "pair" }, element("label", { for: "cart" }, "Cart"), this.cart));
     this.notes = element("div", { class: "note", id: "rig-notes" });
     this.reset = element("button", { type: "button", onclick: () => hear({ reset: true }) }, "Back to the rig's own values");
     const drop = element("div", { class: "drop" }, element("label", { for: "rigfile" }, "Own rig file (TOML): choose it, or drop it here"), this.file);
@@ -52,8 +59,7 @@ export class Controls {
       element("h2", {}, "Rig"),
       element("div", { class: "pair" }, element("label", { for: "preset" }, "Preset"), this.preset),
       drop,
-      element("div", { class: "pair" }, element("label", { for: "cart" }, "Cart"), this.cart),
-      this.list, this.reset, this.notes);
+      ...this.groups.map((one) => one.node), this.reset, this.notes);
     // Wherever a file is dropped: a browser would leave the page for it. It is read where this part is seen.
     const carries = (event) => event.dataTransfer.types.includes("Files");
     for (const kind of ["dragenter", "dragover"]) {
@@ -93,9 +99,15 @@ export class Controls {
       this.shown = keys.join();
       this.rows = new Map();
       const order = Object.keys(meanings).filter((key) => keys.includes(key) && key !== "support");
-      this.list.replaceChildren(...order.map((key) => this.row(key, meanings[key])));
+      for (const { usual, rest } of this.groups) for (const part of [usual, rest]) part.replaceChildren();
+      for (const key of order) {
+        const group = this.groups[GROUPS.findIndex(({ has }) => has(key))];
+        (USUAL.includes(key) ? group.usual : group.rest).append(this.row(key, meanings[key]));
+      }
     }
     for (const [key, row] of this.rows) row.set(now[key], own[key] ?? now[key], key in state.settings);
+    // What is folded does not hide that it was changed.
+    for (const { rest, folded } of this.groups) folded?.classList.toggle("changed", rest.querySelector(".changed") !== null);
   }
 
   // A line of the program in the page's words.
@@ -125,7 +137,13 @@ export class Controls {
     if (this.choices[key]) {
       const select = element("select", { id, "data-key": key, onchange: () => change(select.value) }, ...this.choices[key].map((one) => element("option", { value: one }, one)));
       const pair = element("div", { class: "pair" }, name, select);
-      this.rows.set(key, { set: (value) => { select.value = value; }, refuse: refusal(pair, [select]) });
+      this.rows.set(key, {
+        set: (value, own, changed) => {
+          select.value = value;
+          pair.classList.toggle("changed", changed);
+        },
+        refuse: refusal(pair, [select]),
+      });
       return pair;
     }
     const straight = STRAIGHT[key];
@@ -154,18 +172,13 @@ export class Controls {
   }
 }
 
-// Marks a field that has no room for a line below it; null takes the mark away.
-export function markField(field, why) {
-  field.title = why ?? "";
-  if (why === null) field.removeAttribute("aria-invalid");
-  else field.setAttribute("aria-invalid", "true");
-}
-
 // Marks the fields of a row and says why below them; null takes both away.
 function refusal(row, fields) {
   const why = element("p", { class: "wrong why", id: fresh("why"), hidden: true });
   row.append(why);
   return (message) => {
+    const folded = message !== null && row.closest("details");
+    if (folded) folded.open = true;
     why.hidden = message === null;
     why.textContent = message ?? "";
     for (const field of fields) {

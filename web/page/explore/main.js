@@ -1,17 +1,15 @@
 // Explore: what the hammer does over gap and frequency, the motion at a point, and where to run it.
 import { element, labelled } from "../common/dom.js";
+import { markField } from "../common/fields.js";
 import { Pool } from "../common/pool.js";
 import { saveButtons } from "../common/save.js";
 import { AnswerPanel } from "./answer.js";
-import { Controls, DECIDES, markField } from "./controls.js";
-import { PlaneMap } from "./map.js";
+import { Controls, DECIDES } from "./controls.js";
+import { PlaneMap, frequencyAxis } from "./map.js";
 import { mapFile } from "./mapfile.js";
 import { MotionPanel } from "./motion.js";
 import { fromFragment, initial, rigOf, toFragment } from "./state.js";
 import { DETAILS } from "./tiles.js";
-
-// A slider in motion asks only when it has rested for so long, ms.
-const REST = 250;
 
 export async function start(container) {
   const pool = new Pool();
@@ -29,7 +27,8 @@ export async function start(container) {
 
   let facts = null;
   let own = null;
-  let waiting = 0;
+  let due = null;
+  let follows = false;
   let question = 0;
   const times = {};
 
@@ -54,6 +53,7 @@ export async function start(container) {
     view(view) {
       state.view = view;
       keep();
+      along();
     },
     measured(what, ms) {
       times[what] ??= ms;
@@ -64,7 +64,13 @@ export async function start(container) {
       problem.textContent = `The map has gaps: ${controls.inWords(error.message)}`;
     },
   });
+  // The force curve has the map's axis of frequency.
+  function along() {
+    const { factor, name } = frequencyAxis(state.units, facts);
+    answer.along({ name, factor: factor / facts.natural_frequency_hz, range: state.view.x.map((ratio) => ratio * factor), chosen: state.ratio * facts.natural_frequency_hz });
+  }
   const answer = new AnswerPanel(pool, {
+    frequency: (hz) => showAt(hz / facts.natural_frequency_hz),
     found(best) {
       container.dataset.best = best ? best.hz : "";
       const ratio = (hz) => hz / facts.natural_frequency_hz;
@@ -113,9 +119,20 @@ export async function start(container) {
       else state.settings[change.key] = change.value;
     }
     if (change.key) [state.start, changed] = [null, change.key];
-    clearTimeout(waiting);
-    waiting = setTimeout(() => refresh({ rig: change.key !== "gap_mm" }), change.key ? REST : 0);
+    due = { rig: due?.rig || change.key !== "gap_mm" };
+    if (!follows) follow();
   });
+  // A slider in motion is followed as fast as the first part of the answer is computed: one question at a time, then the newest.
+  async function follow() {
+    follows = true;
+    while (due) {
+      const what = due;
+      due = null;
+      await refresh(what);
+      await answer.told;
+    }
+    follows = false;
+  }
   const problem = element("p", { class: "wrong", role: "alert", id: "problem" });
   // What stands on the page belongs to the rig before: it is greyed until an answer takes its place.
   const wrong = (error) => {
@@ -125,25 +142,29 @@ export async function start(container) {
     const inFile = state.text !== null && error.message.startsWith(state.source);
     const said = facts && !inFile ? controls.refuse(error.message, changed) : error.message;
     problem.textContent = facts ? `${said}. What is shown in grey is for the values before.` : said;
-    for (const panel of [plane, answer.panel, motion.panel]) panel.classList.add("stale");
+    for (const panel of [plane, motion.panel]) panel.classList.add("stale");
+    answer.stale();
     take.disabled = true;
   };
 
   const button = (name, said, act) => element("button", { type: "button", "aria-label": said, title: said, onclick: act }, name);
-  const look = () => map.setLook(state);
+  const look = () => {
+    map.setLook(state);
+    along();
+  };
+  // The motion from rest at a frequency and the gap that is set.
+  const showAt = (ratio) => {
+    Object.assign(state, { ratio, start: null });
+    refresh({ rig: false, pick: false });
+  };
   const detail = element("select", { id: "detail", onchange: () => { state.detail = detail.value; keep(); look(); } }, ...DETAILS.map((one) => element("option", { value: one }, one)));
   const units = element("select", { id: "units", onchange: () => { state.units = units.value; keep(); look(); } }, element("option", { value: "ratios" }, "Ω/ω, gap/A0"), element("option", { value: "absolute" }, "Hz, mm"));
   const colour = element("select", { id: "colour", onchange: () => { state.colour = colour.value; keep(); look(); } }, element("option", { value: "regime" }, "regime z = p/n"), element("option", { value: "force" }, "force of 1/1"));
-  const take = element("button", { type: "button", id: "take", disabled: true, onclick: () => {
-    Object.assign(state, { ratio: bestHz / facts.natural_frequency_hz, start: null });
-    refresh({ rig: false, pick: false });
-  } }, "Show the motion there");
+  const take = element("button", { type: "button", id: "take", disabled: true, onclick: () => showAt(bestHz / facts.natural_frequency_hz) }, "Show the motion there");
   const frequency = element("input", { type: "number", id: "frequency", min: 0, step: "any", onchange: () => {
     const asked = Number(frequency.value);
     markField(frequency, asked > 0 ? null : "must be above 0");
-    if (!(asked > 0)) return;
-    Object.assign(state, { ratio: Number(frequency.value) / facts.natural_frequency_hz, start: null });
-    refresh({ rig: false, pick: false });
+    if (asked > 0) showAt(asked / facts.natural_frequency_hz);
   } });
   const link = element("button", { type: "button", id: "share", onclick: async () => {
     write();
@@ -166,13 +187,13 @@ export async function start(container) {
     }));
   };
 
-  const plane = element("section", { class: "panel map", "aria-label": "Map" },
+  const plane = element("section", { class: "panel map", "aria-label": "Force curve and map" },
+    answer.chart.figure,
     element("div", { class: "row" }, element("h2", {}, "What it does"), labelled("Axes ", units), labelled("Colour ", colour), labelled("Detail ", detail),
       element("span", { class: "row" }, button("+", "zoom in", () => map.zoom(0.7)), button("\u2212", "zoom out", () => map.zoom(1 / 0.7)), button("⌂", "show the whole plane", () => map.home()))),
     map.box, map.progress, map.said, map.legend,
     element("div", { class: "row" }, take, labelled("Drive frequency, Hz ", frequency), link, shared, mapSaves), status);
-  const visit = element("p", { class: "note" }, "Choose a rig, move its parameters, or drop a rig file: the answer says at which frequency the hammer strikes hardest, how hard, and how far the frequency may be off. The map has what it does at every frequency and gap. Click into it, and you see the motion there.");
-  container.replaceChildren(visit, problem, element("div", { class: "explore-grid" }, controls.panel, plane, answer.panel, motion.panel));
+  const visit = element("p", { class: "note" }, "Choose a rig, move its parameters, or drop a rig file: the answer says at which frequency the hammer strikes hardest, how hard, and how far the frequency may be off. The curve shows the force over the frequency, the map below it what the hammer does at every frequency and gap. Click into either, and you see the motion there.");
 
   // Shows the state: the rig, its map, the recommendation and the motion at the point.
   async function refresh({ rig = true, pick = true, point = true } = {}) {
@@ -208,13 +229,14 @@ export async function start(container) {
     controls.accept();
     for (const panel of [plane, motion.panel]) panel.classList.remove("stale");
     // The recommendation that stands there is for the values before until the new one comes.
-    if (rig || pick) answer.panel.classList.add("stale");
+    if (rig || pick) answer.stale();
     take.disabled = bestHz === null;
     controls.show(state, own.parameters, { ...facts.parameters, gap_mm: state.gap_mm }, facts.meanings, facts.shaker_known);
     controls.notes.replaceChildren(...facts.notes.map((note) => element("p", { class: "wrong" }, controls.inWords(note))),
       element("p", {}, `Natural frequency ${facts.natural_frequency_hz.toPrecision(5)} Hz, weight ${facts.weight_n.toPrecision(4)} N. `, saveButtons({ name: "rig", madeFrom, value: () => ({ parameters: facts.parameters, toml: facts.toml }) })));
     const gap = state.gap_mm / facts.amplitude_mm;
     map.setMarks({ ...map.marks, gap, point: state.ratio === null ? undefined : [state.ratio, gap] });
+    along();
     if (state.ratio !== null && document.activeElement !== frequency) frequency.value = Number((state.ratio * facts.natural_frequency_hz).toPrecision(7));
     if (pick) answer.ask(rigOf(state), state.gap_mm, state.limits, madeFrom);
     if (point && state.ratio !== null) motion.ask(rigOf(state), state.gap_mm, state.ratio * facts.natural_frequency_hz, state.start, madeFrom);
@@ -227,7 +249,7 @@ export async function start(container) {
     state = wanted;
     [units.value, colour.value, detail.value] = [state.units, state.colour, state.detail];
     if (map.view) map.view = state.view;
-    look();
+    map.setLook(state);
     refresh().then(() => map.redraw(true));
   }
   [units.value, colour.value, detail.value] = [state.units, state.colour, state.detail];
@@ -240,4 +262,6 @@ export async function start(container) {
     await refresh();
     problem.textContent = said;
   }
+  // Only now, so that nothing is pushed about while the page fills.
+  container.replaceChildren(visit, problem, element("div", { class: "explore-grid" }, answer.panel, plane, controls.panel, answer.beside, motion.panel));
 }

@@ -1,5 +1,5 @@
 // The plane of gap and frequency: computed tile by tile, moved and zoomed by pointer, wheel, keys and buttons.
-import { axes, scale } from "../common/chart.js";
+import { MARGIN as CHART, axes, scale } from "../common/chart.js";
 import { REGIMES, regimeIndex, regimeWords } from "../common/colours.js";
 import { element, svg } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
@@ -7,7 +7,13 @@ import { onTheme, themeColour } from "../common/theme.js";
 import { HOME, within } from "./state.js";
 import { DETAILS, NOTHING, SIDE, Tiles, cell, middles, wanted } from "./tiles.js";
 
-const MARGIN = { left: 58, right: 10, top: 8, bottom: 42 };
+// The map stands under the force curve: the same frequency is at the same place.
+const MARGIN = { left: CHART.left, right: CHART.right, top: 8, bottom: CHART.bottom };
+
+// The axis of frequency: what a frequency ratio is multiplied by to stand on it, and its name.
+export function frequencyAxis(units, facts) {
+  return units === "absolute" ? { factor: facts.natural_frequency_hz, name: "drive frequency, Hz" } : { factor: 1, name: "drive frequency over natural frequency, Ω/ω" };
+}
 
 // How a cell of the map is run: the chapter's cycles.
 const PLAN = { cycles: 300, recorded: 100 };
@@ -228,8 +234,9 @@ export class PlaneMap {
   overlay() {
     const { width, height, plot, x, y } = this.space();
     const absolute = this.units === "absolute";
-    const [fx, fy] = absolute ? [this.facts.natural_frequency_hz, this.facts.amplitude_mm] : [1, 1];
-    const names = absolute ? { x: "drive frequency, Hz", y: "gap at rest, mm" } : { x: "drive frequency over natural frequency, Ω/ω", y: "gap over cart amplitude, gap/A0" };
+    const { factor: fx, name } = frequencyAxis(this.units, this.facts);
+    const fy = absolute ? this.facts.amplitude_mm : 1;
+    const names = { x: name, y: absolute ? "gap at rest, mm" : "gap over cart amplitude, gap/A0" };
     const over = this.over;
     over.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const inside = svg("g", { "clip-path": "inset(0)" });

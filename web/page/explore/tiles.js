@@ -13,6 +13,9 @@ export const DETAILS = ["coarse", "fine", "finest"];
 // The cells of a tile that cannot be computed: all of them failed.
 export const NOTHING = new Uint8Array(SIDE * SIDE * CELL_BYTES).map((_, at) => (at % CELL_BYTES === 0 ? 4 : 0));
 
+// Tiles begin at this frequency ratio, just below the first view: a cell at a much lower one takes many times as long, and would not be seen.
+const EDGE = 0.75;
+
 // Tiles kept at most.
 const KEPT = 20_000;
 
@@ -31,9 +34,9 @@ export function wanted(view, width, height, detail) {
     const levels = [level(view.x[1] - view.x[0], width, pixels), level(view.y[1] - view.y[0], height, pixels)];
     const [dx, dy] = levels.map((one) => 2 ** -one);
     const tiles = [];
-    for (let i = Math.floor(view.x[0] / dx / SIDE); i * SIDE * dx < view.x[1]; i += 1) {
+    for (let i = Math.floor((view.x[0] - EDGE) / dx / SIDE); EDGE + i * SIDE * dx < view.x[1]; i += 1) {
       for (let j = Math.floor(view.y[0] / dy / SIDE); j * SIDE * dy < view.y[1]; j += 1) {
-        const [x, y] = [i * SIDE * dx, j * SIDE * dy];
+        const [x, y] = [EDGE + i * SIDE * dx, j * SIDE * dy];
         const middle = [(x + SIDE * dx / 2 - (view.x[0] + view.x[1]) / 2) / (view.x[1] - view.x[0]), (y + SIDE * dy / 2 - (view.y[0] + view.y[1]) / 2) / (view.y[1] - view.y[0])];
         tiles.push({ key: `${levels.join(":")}:${i}:${j}`, pass, x, y, dx, dy, far: Math.hypot(...middle) });
       }

@@ -13,7 +13,7 @@ export async function start(container) {
   const wrong = element("p", { role: "alert", class: "wrong" });
   const row = element("div", { class: "row" });
   container.append(element("h2", {}, "Live"), said, wrong, row);
-  const view = new View(container, { name: "recording" });
+  const view = new View(container, { name: "recording", tells: true });
   const live = new Live(view, said, wrong, row);
   live.server = await boardOfServer();
   live.choose();
@@ -60,6 +60,7 @@ class Live {
       this.board = null;
       throw error;
     }
+    this.view.forget();
     this.view.show(board, SILENT);
   }
 

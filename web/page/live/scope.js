@@ -1,5 +1,5 @@
-// The scope: force, hammer and cart over the last seconds, one column per pixel with the least and the largest value in it. A gap is
-// a column without a line.
+// The scope: force, hammer and cart over the last seconds, one column per pixel with the least and the largest value in it, and what
+// happened meanwhile. A gap is a column without a line.
 import { element } from "../common/dom.js";
 import { around, digits, ticks } from "../common/numbers.js";
 import { SERIES } from "../common/colours.js";
@@ -8,13 +8,16 @@ import { onTheme, themeColour } from "../common/theme.js";
 const SIGNALS = ["force, N", "hammer, mm", "cart, mm"];
 const LEFT = 58;
 const STRIP = 120;
-const BELOW = 30;
+const BELOW = 62;
+// The names of events stand in so many rows above the axis of time.
+const ROWS = 2;
 
 export class Scope {
   constructor() {
     this.canvas = element("canvas", { role: "img", "aria-label": "contact force, hammer and cart over time", class: "scope" });
     this.figure = element("figure", {}, this.canvas);
     this.last = null;
+    this.marks = [];
     new ResizeObserver(() => this.draw(this.last)).observe(this.figure);
     onTheme(() => this.draw(this.last));
   }
@@ -24,10 +27,10 @@ export class Scope {
     return Math.max(50, Math.floor((this.figure.clientWidth || 600) - LEFT - 8));
   }
 
-  // Draws [left edge, right edge, then (least, largest) of each signal per column].
-  draw(values) {
+  // Draws [left edge, right edge, then (least, largest) of each signal per column]; `marks` is what happened: { time_s, text }.
+  draw(values, marks = this.marks) {
     if (!values) return;
-    this.last = values;
+    [this.last, this.marks] = [values, marks];
     const ratio = window.devicePixelRatio || 1;
     const width = Math.max(200, this.figure.clientWidth || 600);
     const height = SIGNALS.length * STRIP + BELOW;
@@ -88,6 +91,33 @@ export class Scope {
     pen.textAlign = "center";
     for (const { value, text } of ticks(Math.max(0, from), to, 6)) pen.fillText(text, x(value), height - 14);
     pen.fillText("board's time, s", LEFT + (columns * step) / 2, height - 1);
-    this.canvas.setAttribute("aria-label", `contact force, hammer and cart from ${digits(Math.max(0, from))} to ${digits(to)} s`);
+    const seen = this.marks.filter(({ time_s }) => time_s >= from && time_s <= to);
+    this.happened(pen, seen, x, { right: LEFT + columns * step, bottom: SIGNALS.length * STRIP });
+    const said = seen.map(({ time_s, text }) => `${text} at ${digits(time_s)} s`).join("; ");
+    this.canvas.setAttribute("aria-label", `contact force, hammer and cart from ${digits(Math.max(0, from))} to ${digits(to)} s${said ? `; ${said}` : ""}`);
+  }
+
+  // A line for each event, and its name where there is room for it.
+  happened(pen, marks, x, { right, bottom }) {
+    const ends = Array(ROWS).fill(0);
+    pen.strokeStyle = pen.fillStyle = themeColour("warn");
+    pen.lineWidth = 1;
+    pen.setLineDash([3, 3]);
+    pen.textAlign = "left";
+    for (const { time_s, text } of marks) {
+      const at = Math.round(x(time_s)) + 0.5;
+      pen.beginPath();
+      pen.moveTo(at, 0);
+      pen.lineTo(at, bottom);
+      pen.stroke();
+      const name = text.length > 32 ? `${text.slice(0, 30)}…` : text;
+      const wide = pen.measureText(name).width;
+      const left = Math.min(at - 2, right - wide);
+      const row = ends.findIndex((end) => end + 6 < left);
+      if (row < 0) continue;
+      ends[row] = left + wide;
+      pen.fillText(name, left, bottom + 14 + 15 * row);
+    }
+    pen.setLineDash([]);
   }
 }

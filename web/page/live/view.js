@@ -1,11 +1,15 @@
 // What is seen of a board and what steers it: state, limits, faults, scope, force and phase per blow, spectrum; start, stop, set-points,
 // settings, recording. The same for a board on a port and for the emulated one.
 import { Chart } from "../common/chart.js";
-import { element, fresh } from "../common/dom.js";
+import { element } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { SERIES } from "../common/colours.js";
 import { Picture } from "./picture.js";
 import { Scope } from "./scope.js";
+import { SettingsForm } from "./settings.js";
+
+// How many events are kept.
+const MARKS = 60;
 
 // How often the pictures are drawn, ms.
 const DRAW = 120;
@@ -29,9 +33,9 @@ function field(label, unit, attributes) {
 }
 
 export class View {
-  // `name` is what recordings are called; `title` of its panel.
-  constructor(container, { name }) {
-    this.name = name;
+  // `name` is what recordings are called; `tells`: changes of state are marked here, as nobody else tells what happens.
+  constructor(container, { name, tells = false }) {
+    Object.assign(this, { name, tells, marks: [] });
     this.board = null;
     this.status = null;
     this.heard = {};
@@ -51,6 +55,8 @@ export class View {
     this.wrong = element("p", { role: "alert", class: "wrong" });
     this.gaps = element("p", { class: "note gaps" });
     this.scope = new Scope();
+    this.lines = element("ol", { class: "timeline", "aria-label": "what happened", tabindex: "0" });
+    this.settings = new SettingsForm();
     this.picture = new Picture((seconds, columns) => this.board.trace(seconds, columns), () => this.board && this.panel.offsetParent !== null);
     this.seconds = element("select", { onchange: () => this.drawScope() },
       ...[0.5, 1, 2, 5, 10].map((s) => element("option", { value: s, selected: s === 2 }, `${s} s`)));
@@ -64,12 +70,12 @@ export class View {
       element("div", { class: "live-grid" },
         element("section", { class: "panel", "aria-label": "state" }, element("h2", {}, "State"), element("div", { class: "scroll" }, this.facts), this.gaps),
         element("section", { class: "panel wide", "aria-label": "scope" },
-          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.picture.figure, this.scope.figure),
+          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.picture.figure, this.scope.figure, this.lines),
         element("section", { class: "panel", "aria-label": "blows" }, element("h2", {}, "Blow by blow"), this.force.figure, this.phase.figure),
         element("section", { class: "panel", "aria-label": "spectrum" },
           element("div", { class: "row" }, element("h2", {}, "Spectrum"), element("label", {}, "of ", this.signal)), this.spectrum.figure),
-        this.buildSettings(),
         this.buildRecording(),
+        this.settings.node,
       ));
     container.append(this.panel);
   }
@@ -86,28 +92,6 @@ export class View {
       kind: "set-point", frequency_hz: number(this.hz.input, "Frequency"), amplitude_mm: number(this.mm.input, "Amplitude"),
     }).then(() => `asked for ${this.hz.input.value} Hz and ${this.mm.input.value} mm; what a limit holds back stands under "limited by"`));
     this.controls = element("div", { class: "controls row" }, this.stopButton, this.start, this.manual, this.hz.node, this.mm.node, this.set, this.clear);
-  }
-
-  buildSettings() {
-    const id = fresh("settings");
-    this.toml = element("textarea", { id, rows: 10, spellcheck: "false" });
-    this.readButton = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      this.toml.value = (await this.board.ask({ kind: "settings" })).toml;
-      return "settings read";
-    }) }, "Read");
-    this.check = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      this.board.checkSettings(this.toml.value);
-      return "these settings are in order; they have not been written";
-    }) }, "Check");
-    this.write = element("button", { type: "button", onclick: () => this.attempt(async () => {
-      await this.board.ask({ kind: "set-settings", toml: this.toml.value });
-      await this.board.ask({ kind: "settings" });
-      return "the settings are in use and stored";
-    }) }, "Write");
-    return element("section", { class: "panel", "aria-label": "settings" }, element("h2", {}, "Settings"),
-      element("div", { class: "row" }, this.readButton, this.check, this.write),
-      element("p", { class: "note" }, "Written in idle only, checked as a whole."),
-      element("label", { for: id, class: "note" }, "As a TOML file; what is left out stays"), this.toml);
   }
 
   buildRecording() {
@@ -129,7 +113,10 @@ export class View {
     this.status = null;
     this.heard = {};
     this.tellAge();
-    if (board) board.onheard = (heard) => this.take(heard);
+    if (board) {
+      board.onheard = (heard) => this.take(heard);
+      this.settings.show(board);
+    }
     this.tellDrive();
     this.enable();
   }
@@ -139,9 +126,25 @@ export class View {
     this.panel.dataset.stale = String(!this.board || performance.now() - this.heardAt > this.silent);
   }
 
+  // Something happened at a time of the board's: it is on the scope and in the list below.
+  mark(time_s, text) {
+    const said = text.replaceAll("->", "→");
+    this.marks = [...this.marks.slice(1 - MARKS), { time_s, text: said }];
+    this.lines.prepend(element("li", {}, `${digits(time_s, 5)} s: ${said}`));
+    while (this.lines.children.length > MARKS) this.lines.lastChild.remove();
+  }
+
+  // Another board or run: nothing has happened yet.
+  forget() {
+    this.marks = [];
+    this.lines.replaceChildren();
+  }
+
   take(heard) {
     this.heardAt = performance.now();
     if (heard.status) {
+      const { state, fault, time_s } = heard.status;
+      if (this.tells && this.status && state !== this.status.state) this.mark(time_s, `${this.status.state} -> ${state}${fault ? `: ${fault.name}` : ""}`);
       this.status = heard.status;
       this.tellDrive();
     }
@@ -205,9 +208,7 @@ export class View {
     this.manual.disabled = !(commands && state === "idle");
     this.set.disabled = !(commands && ["manual", "prove", "ramp", "self-test"].includes(state));
     this.clear.disabled = !(commands && state === "fault");
-    this.readButton.disabled = !this.board;
-    this.check.disabled = !this.board;
-    this.write.disabled = !(commands && ["idle", "fault"].includes(state));
+    this.settings.enable(this.board, commands && ["idle", "fault"].includes(state));
     this.record.disabled = !(commands && state === "idle" && !this.recording);
     this.save.disabled = !(this.board && this.recording);
   }
@@ -218,7 +219,7 @@ export class View {
     this.dirty = false;
     this.enable();
     this.drawFacts();
-    this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()));
+    this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()), this.marks);
     this.picture.play();
     const blows = this.board.blows().slice(-60);
     const draw = (chart, title, y, value, colour) => chart.draw({

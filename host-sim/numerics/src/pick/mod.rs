@@ -307,7 +307,7 @@ fn pick_at_amplitude<C: PickCase>(
     step(progress, 1)?;
     let parts = PickParts {
         rig: rig.clone(),
-        curve: curve(&branch),
+        curve: curve(&branch, CURVE_POINTS),
         nominal,
         power,
         band,
@@ -336,10 +336,10 @@ fn worth_band<C: PickCase>(branch: &Branch<C>, chosen: &C::Orbit) -> (f64, f64) 
     })
 }
 
-/// What the nominal stable 1/1 is worth: (Hz, worth), by rising frequency.
-fn curve<C: PickCase>(branch: &Branch<C>) -> Vec<(f64, f64)> {
+/// What the nominal stable 1/1 is worth: (Hz, worth), by rising frequency, at so many `points` and those it was followed by.
+fn curve<C: PickCase>(branch: &Branch<C>, points: usize) -> Vec<(f64, f64)> {
     let (low, high) = branch.range();
-    let mut nodes = spread(low, high, CURVE_POINTS);
+    let mut nodes = spread(low, high, points);
     nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
     let found = parallel::map(&nodes, |hz| Some((*hz, C::drawn_at(branch, *hz)?)));

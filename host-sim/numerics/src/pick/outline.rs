@@ -2,10 +2,13 @@
 
 use serde::Serialize;
 
-use super::{BAND_SHARE, best_branch, no_one_one, worth_band};
+use super::{BAND_SHARE, best_branch, curve, no_one_one, worth_band};
 use crate::branch::BranchEnd;
 use crate::error::Error;
 use crate::row::NamedRig;
+
+/// Points of the curve, beside those the branch was followed by.
+const CURVE_POINTS: usize = 40;
 
 /// Where the nominal rig is strongest. Uncertainty, limits, jumps and the beams' bending are not looked at: they may move
 /// the operating point.
@@ -29,6 +32,8 @@ pub struct Outline {
     pub stable_one_one_hz: [f64; 2],
     /// How it ends, below and above.
     pub stable_one_one_ends: [BranchEnd; 2],
+    /// The stable 1/1: Hz and contact force over m g.
+    pub curve: Vec<(f64, f64)>,
 }
 
 /// Finds it.
@@ -41,16 +46,21 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
     let branch = best_branch(rig)?;
     let strongest = branch.best(branch.range(), |orbit| orbit.force_n);
     let strongest = strongest.ok_or_else(|| no_one_one(rig))?;
+    let weight_n = params.weight_n();
+    let drawn = curve(&branch, CURVE_POINTS).into_iter();
     Ok(Outline {
         rig: rig.name.clone(),
         nominal_optimum_hz: strongest.frequency_hz,
         frequency_ratio: strongest.frequency_hz / params.natural_frequency_hz(),
-        nominal_optimum_force_ratio: strongest.force_n / params.weight_n(),
+        nominal_optimum_force_ratio: strongest.force_n / weight_n,
         force_n: strongest.force_n,
         band_share: BAND_SHARE,
         band_hz: worth_band(&branch, &strongest).into(),
         stable_one_one_hz: branch.range().into(),
         stable_one_one_ends: [branch.low.end, branch.high.end],
+        curve: drawn
+            .map(|(hz, force_n)| (hz, force_n / weight_n))
+            .collect(),
     })
 }
 
@@ -73,5 +83,7 @@ mod tests {
         assert_eq!(first.stable_one_one_hz, whole.stable_one_one_hz);
         assert_eq!(first.stable_one_one_ends, whole.stable_one_one_ends);
         assert_eq!(first.band_hz, whole.band_hz);
+        let top = first.curve.iter().map(|point| point.1).fold(0.0, f64::max);
+        assert!((0.99..1.0 + 1e-9).contains(&(top / first.nominal_optimum_force_ratio)));
     }
 }
