@@ -11,9 +11,10 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.addnodes import pending_xref
 from sphinx.util import logging
 from sphinx.util.osutil import relative_uri
+from sphinx_inline_tabs._impl import TabContainer
 
 project = html_title = "vibroimpact"
-extensions = ["myst_parser", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx_copybutton", "sphinx_inline_tabs"]
 # The pages lie where a repository's reader finds them; contents.md is their order.
 root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "tests/fuzz/README.md"]
@@ -42,6 +43,8 @@ ELSEWHERE = {
     "rust/numerics/index.html": "Rust crates",
     "python-api/vibroimpact.html": "Python package",
 }
+# The page itself stands in the page that tells how to explore with it.
+EXPLORED, FRAME = "docs/tutorial-explore", '<iframe src="../explore.html" title="The page" loading="lazy"></iframe>'
 # What a browser without a font for mathematics draws badly of docutils' MathML, and what it draws well.
 DRAWN = [
     (r"\n\s*", ""),
@@ -93,8 +96,21 @@ def formula(writer, node):
     raise nodes.SkipNode
 
 
+def draw_tabs(doctree):
+    """A list whose entries begin with a line in bold becomes tabs."""
+    for entries in list(doctree.findall(nodes.bullet_list)):
+        heads = [entry[0] for entry in entries]
+        if all(head.astext() == "".join(part.astext() for part in head.findall(nodes.strong)) for head in heads):
+            label = [nodes.label("", head.astext()) for head in heads]
+            shown = [nodes.container("", *entry[1:], is_div=True, classes=["tab-content"]) for entry in entries]
+            entries.replace_self([TabContainer("", *tab, type="tab", new_set=False) for tab in zip(label, shown)])
+
+
 def read(app, doctree):
     page = app.env.docname
+    draw_tabs(doctree)
+    if page == EXPLORED and Path(app.outdir, "explore.html").exists():
+        doctree[0].insert(doctree[0].first_child_matching_class(nodes.section), nodes.raw("", FRAME, format="html"))
     for link in list(doctree.findall(pending_xref)):
         if link["reftype"] == "myst" and link["refdomain"] is None:
             link_to_folder(app, page, link)

@@ -30,6 +30,10 @@ pub fn run(check: bool) -> JobResult<PathBuf> {
     if !check {
         made_elsewhere(&part)?;
     }
+    let explore = root().join("target/web/index.html");
+    if explore.exists() {
+        fs::copy(explore, part.join("explore.html"))?;
+    }
     pages(&part)?;
     fs::rename(&part, &place)?;
     println!("no dead link: {}", place.join("index.html").display());
@@ -48,11 +52,9 @@ fn pages(place: &Path) -> JobResult {
     command::run(sphinx.arg(root()).arg(place))
 }
 
-/// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
+/// The documentation that other programs make, and the page in `target/web`, each left out with a line where it cannot be had.
 fn made_elsewhere(place: &Path) -> JobResult {
-    if let Some(page) = web::build_if_possible()? {
-        fs::copy(page, place.join("explore.html"))?;
-    }
+    web::build_if_possible()?;
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);
     command::run(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
