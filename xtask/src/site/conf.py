@@ -39,12 +39,13 @@ html_copy_source = html_use_index = html_show_copyright = html_show_search_summa
 
 # What may stand in the site before Sphinx writes its pages.
 ELSEWHERE = {
+    "figures/index.html": "The chapter's figures",
     "explore.html": "The page",
     "rust/numerics/index.html": "Rust crates",
     "python-api/vibroimpact.html": "Python package",
 }
-# The page itself stands in the page that tells how to explore with it.
-EXPLORED, FRAME = "docs/tutorial-explore", '<iframe src="../explore.html" title="The page" loading="lazy"></iframe>'
+# Which of these stands in a page that tells of it.
+WITHIN = {"docs/figures": "figures/index.html", "docs/tutorial-explore": "explore.html"}
 # What a browser without a font for mathematics draws badly of docutils' MathML, and what it draws well.
 DRAWN = [
     (r"\n\s*", ""),
@@ -109,8 +110,9 @@ def draw_tabs(doctree):
 def read(app, doctree):
     page = app.env.docname
     draw_tabs(doctree)
-    if page == EXPLORED and Path(app.outdir, "explore.html").exists():
-        doctree[0].insert(doctree[0].first_child_matching_class(nodes.section), nodes.raw("", FRAME, format="html"))
+    if Path(app.outdir, shown := WITHIN.get(page, "-")).exists():
+        frame = nodes.raw("", f'<iframe src="../{shown}" title="{ELSEWHERE[shown]}" loading="lazy"></iframe>', format="html")
+        doctree[0].insert(doctree[0].first_child_matching_class(nodes.section), frame)
     for link in list(doctree.findall(pending_xref)):
         if link["reftype"] == "myst" and link["refdomain"] is None:
             link_to_folder(app, page, link)

@@ -1,5 +1,5 @@
 //! The site in `target/site`: the pages of `docs/` and those beside them, the documentation of the crates and of the Python
-//! package, and the page. None of it needs a network.
+//! package, the chapter's figures, and the page. None of it needs a network.
 //!
 //! Sphinx makes the pages as `conf.py` says; `contents.md` is their order. Whatever it warns of is an error: a link, anchor or
 //! picture that is not there, a page that is not in the order, a mistake in an equation.
@@ -13,7 +13,7 @@ use std::{
 use crate::{
     JobResult,
     command::{self, cargo, root},
-    python, web,
+    desktop, python, web,
 };
 
 /// Builds it, or for a check the pages alone; where it is.
@@ -55,18 +55,25 @@ fn pages(place: &Path) -> JobResult {
 /// The documentation that other programs make, and the page in `target/web`, each left out with a line where it cannot be had.
 fn made_elsewhere(place: &Path) -> JobResult {
     web::build_if_possible()?;
+    // The gallery: a later run makes only what has changed.
+    let figures = root().join("target/figures");
+    let mut make = Command::new(desktop::released()?);
+    command::run(make.args(["figures", "--out"]).arg(&figures))?;
+    copy_folder(&figures, &place.join("figures"))?;
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);
     command::run(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
     let target = std::env::var_os("CARGO_TARGET_DIR");
     let doc = target.map_or_else(|| root().join("target"), PathBuf::from);
-    let mut copy = Command::new("cp");
-    copy.arg("-r").arg(doc.join("doc"));
-    command::run(copy.arg(place.join("rust")))?;
+    copy_folder(&doc.join("doc"), &place.join("rust"))?;
     if let Err(error) = python_docs(place) {
         println!("the Python package's documentation is left out: {error}");
     }
     Ok(())
+}
+
+fn copy_folder(from: &Path, to: &Path) -> JobResult {
+    command::run(Command::new("cp").arg("-r").arg(from).arg(to))
 }
 
 /// Written by pdoc from the installed package.
