@@ -550,6 +550,83 @@ def identify(
     return _native.identify(locals())
 
 
+def compare(
+    rig: Rig,
+    time_s: Iterable[float],
+    force_n: Iterable[float] | None = None,
+    displacement_mm: Iterable[float] | None = None,
+    cart_mm: Iterable[float] | None = None,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    frame: Literal["fixed", "relative"] = "fixed",
+    start: Start = "rest",
+    cycles: int = 600,
+    transient: int = 480,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+) -> Record:
+    """A record beside its simulation: both motions, and the errors.
+
+    Parameters
+    ----------
+    time_s, force_n, displacement_mm, cart_mm:
+        The record: arrays of one length, times rising; force or displacement of the hammer, or both, and the cart's motion
+        if it was measured.
+    ratio, frequency_hz:
+        The drive frequency, as in :func:`simulate`; found from the record if left out.
+    frame:
+        The measured displacement is in the ``"fixed"`` frame or ``"relative"`` to the cart.
+
+    The other arguments are those of :func:`simulate`.
+
+    Returns
+    -------
+    Record
+        Errors of displacement, force, contacts and contact time, and a table ``rows`` with both motions at each sample.
+    """
+    return _native.compare(locals())
+
+
+def modes(
+    rig: Rig,
+    *,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    modes: Sequence[int] = (1, 2, 3, 5),
+    springs_mass: float = 0.1,
+    tip: Literal["guided", "free"] = "guided",
+    cycles: int = 600,
+    transient: int = 480,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Beam springs that bend in several modes: force, swing, and where the energy goes.
+
+    Parameters
+    ----------
+    modes:
+        Numbers of bending modes to keep, up to 8; each is run at each frequency.
+    springs_mass:
+        Mass of the springs over the hammer's (assumed: the chapter gives none).
+    tip:
+        How the hammer holds the springs' end: it cannot turn (``"guided"``), or turns with it (``"free"``).
+
+    The other arguments are those of :func:`sweep`.
+
+    Returns
+    -------
+    Record
+        Tables ``modes`` (a row for each bending mode) and ``rows`` (a row for each frequency and number of modes).
+    """
+    return _native.modes(locals())
+
+
 def drill(
     rig: Rig,
     *,
