@@ -162,6 +162,8 @@ def test_records_travel_and_print():
     assert again.shape == (2, 3) and again == found
     assert again != vi.map(WIRES, gap_mm=[0.0, 0.5], ratio=[1.9, 2.0, 2.2])
     assert "2 x 3 cells" in repr(found)
+    assert "data:image/png" in found._repr_html_() and "gap_mm 0 to 0.5" in found._repr_html_()
+    assert vi.sweep(WIRES, ratio=[1.9, 2.0], cycles=60, transient=40)._repr_html_().count("<circle") == 2
     run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, samples_per_period=20)
     assert pickle.loads(pickle.dumps(run)) == run
     assert "regime='1/1'" in repr(run) and "<td>regime</td><td>1/1</td>" in run._repr_html_()
