@@ -4,6 +4,7 @@ import pickle
 import signal
 import threading
 import time
+import typing
 
 import numpy as np
 import pytest
@@ -172,6 +173,17 @@ def test_records_travel_and_print():
         run.nothing
 
 
+@pytest.mark.parametrize("rig", ["wires", "beam-170"])
+def test_the_types_of_answers_are_stated(rig):
+    answers = [vi.simulate(vi.Rig(rig), ratio=2.02, cycles=60, transient=40), vi.pick(vi.Rig(rig), samples=0)]
+    for found in answers:
+        kinds = typing.get_type_hints(type(found))
+        assert kinds.keys() == set(found)
+        for name, kind in kinds.items():
+            allowed = typing.get_args(kind) if typing.get_origin(kind) is typing.Union else (kind,)
+            assert isinstance(found[name], tuple(typing.get_origin(one) or one for one in allowed)), name
+
+
 @pytest.mark.parametrize("options", [{}, {"engine": "switch", "tick_us": 20.0, "cart": "prescribed"}])
 def test_a_history_is_evenly_spaced_and_a_record_like_any_other(options):
     cycles, samples = 4, 20_000 if not options else 13_000
@@ -207,6 +219,7 @@ def test_tables_become_pandas_and_xarray():
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 6
     assert frame.force_n[4] == found.force_n[1, 1] == cube.force_n.values[1, 1]
     assert cube.sizes == {"gap_mm": 2, "frequency_hz": 3} and cube.attrs["rig"] == "wires"
+    assert cube.source == table.to_xarray().source == f"vibroimpact {vi.__version__}"
     assert (cube.gap_mm.units, cube.frequency_hz.units, cube.force_n.units) == ("mm", "Hz", "N")
 
 

@@ -33,6 +33,7 @@ from ._analyses import (
     simulate,
     sweep,
 )
+from ._answers import Pick, Run
 from ._native import Rig, __version__, presets
 from ._records import Grid, Record, Table
 from ._store import map_to_zarr
@@ -41,8 +42,10 @@ __all__ = [
     "Basins",
     "Grid",
     "Map",
+    "Pick",
     "Record",
     "Rig",
+    "Run",
     "Table",
     "__version__",
     "basins",

@@ -11,6 +11,7 @@ from typing import Literal, Union
 import numpy as np
 
 from . import _native
+from ._answers import Pick, Run
 from ._native import Rig
 from ._records import Grid, Record, Table
 
@@ -35,7 +36,7 @@ def simulate(
     engine: Literal["event", "switch"] = "event",
     precision: Literal["f32", "f64"] | None = None,
     tick_us: float | None = None,
-) -> Record:
+) -> Run:
     """One run at one drive frequency.
 
     Parameters
@@ -63,7 +64,7 @@ def simulate(
 
     Returns
     -------
-    Record
+    Run
         Regime z = p/n (``regime``, ``impacts``, ``periods``), ``force_n``, ``force_ratio`` (over the weight), the strongest
         contact's speed, time, energy and impulse; tables ``history`` (time_s, displacement_mm, force_n, ... of shape
         ((cycles - transient) * samples_per_period,)), ``section`` (drive phase 0, one row a cycle) and ``contacts``.
@@ -77,7 +78,7 @@ def simulate(
     -----
     Equations (3-8) to (3-18) of the chapter; regimes by the Poincaré section at drive phase 0.
     """
-    return _native.simulate(locals())
+    return Run(_native.simulate(locals()))
 
 
 def sweep(
@@ -151,7 +152,7 @@ def pick(
     max_shaker_force_n: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Pick:
     """The frequency to run at: the strongest stable 1/1 that holds over the uncertainty and within the limits.
 
     Parameters
@@ -176,7 +177,7 @@ def pick(
 
     Returns
     -------
-    Record
+    Pick
         The fields of ``host-sim pick --format json``, among them ``operating_frequency_hz``, ``force_ratio``, ``safe_band_hz``,
         ``stable_one_one_hz``, ``multipliers``, ``shaker``, ``sensitivity``; and the nominal stable 1/1 as
         ``curve_frequency_hz`` and ``curve_force_ratio``.
@@ -188,7 +189,7 @@ def pick(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    return _native.pick(locals())
+    return Pick(_native.pick(locals()))
 
 
 class Map(Grid):

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._native import __version__
+
 if TYPE_CHECKING:
     import pandas
     import xarray
@@ -22,6 +24,8 @@ _UNITS = {
 }
 
 
+# What made a data set.
+_SOURCE = {"source": f"vibroimpact {__version__}"}
 # The colours of the command line's pictures, and that of every other p/n.
 _COLOURS = {
     "1/1": "0072b2", "2/2": "009e73", "4/4": "9ae0c4", "1/2": "e69f00", "2/4": "fbe0a0", "1/3": "f0e442", "1/4": "a8a21e",
@@ -124,7 +128,7 @@ class Table(Record):
         """The table as an ``xarray.Dataset`` over the dimension ``row`` (needs xarray)."""
         import xarray
 
-        return xarray.Dataset({key: ("row", values, _unit(key)) for key, values in self._fields.items()})
+        return xarray.Dataset({key: ("row", values, _unit(key)) for key, values in self._fields.items()}, attrs=_SOURCE)
 
 
 class Grid(Record):
@@ -191,7 +195,7 @@ class Grid(Record):
         layers = {name: (self._axes, self._fields[name], _unit(name)) for name in self._layers}
         axes = {axis: (axis, self._fields[axis], _unit(axis)) for axis in self._axes}
         said = {key: value for key, value in self._fields.items() if isinstance(value, (str, int, float))}
-        return xarray.Dataset(layers, axes, said)
+        return xarray.Dataset(layers, axes, said | _SOURCE)
 
 
 def _unit(name: str) -> dict[str, str]:
