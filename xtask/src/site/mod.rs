@@ -20,22 +20,18 @@ use crate::{
 pub fn run(check: bool) -> JobResult<PathBuf> {
     let name = if check { "site-check" } else { "site" };
     let place = root().join("target").join(name);
-    let part = place.with_extension("part");
-    for old in [&place, &part] {
-        if old.exists() {
-            fs::remove_dir_all(old)?;
-        }
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
     }
-    fs::create_dir_all(&part)?;
+    fs::create_dir_all(&place)?;
     if !check {
-        made_elsewhere(&part)?;
+        made_elsewhere(&place)?;
     }
     let explore = root().join("target/web/index.html");
     if explore.exists() {
-        fs::copy(explore, part.join("explore.html"))?;
+        fs::copy(explore, place.join("explore.html"))?;
     }
-    pages(&part)?;
-    fs::rename(&part, &place)?;
+    pages(&place)?;
     println!("no dead link: {}", place.join("index.html").display());
     Ok(place)
 }
