@@ -55,21 +55,37 @@ fn made_elsewhere(place: &Path) -> JobResult {
     let figures = root().join("target/figures");
     let mut make = Command::new(desktop::released()?);
     command::run(make.args(["figures", "--out"]).arg(&figures))?;
-    copy_folder(&figures, &place.join("figures"))?;
+    gallery(&figures, &place.join("figures"))?;
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);
     command::run(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
     let target = std::env::var_os("CARGO_TARGET_DIR");
     let doc = target.map_or_else(|| root().join("target"), PathBuf::from);
-    copy_folder(&doc.join("doc"), &place.join("rust"))?;
+    let mut copy = Command::new("cp");
+    copy.arg("-r").arg(doc.join("doc"));
+    command::run(copy.arg(place.join("rust")))?;
     if let Err(error) = python_docs(place) {
         println!("the Python package's documentation is left out: {error}");
     }
     Ok(())
 }
 
-fn copy_folder(from: &Path, to: &Path) -> JobResult {
-    command::run(Command::new("cp").arg("-r").arg(from).arg(to))
+/// The page of the figures with its pictures, without its tables, which are some 400 MB.
+fn gallery(from: &Path, to: &Path) -> JobResult {
+    fs::create_dir(to)?;
+    for file in fs::read_dir(from)? {
+        let path = file?.path();
+        if path
+            .extension()
+            .is_some_and(|end| end == "png" || end == "svg")
+        {
+            fs::copy(&path, to.join(path.file_name().unwrap_or_default()))?;
+        }
+    }
+    let page = fs::read_to_string(from.join("index.html"))?;
+    let lines = page.lines().filter(|line| !line.contains("<dt>Files</dt>"));
+    fs::write(to.join("index.html"), lines.collect::<Vec<_>>().join("\n"))?;
+    Ok(())
 }
 
 /// Written by pdoc from the installed package.
