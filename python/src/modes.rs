@@ -35,7 +35,7 @@ pub fn modes(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
         },
         mass_ratio: asked.take("springs_mass")?,
     };
-    let modal = ModalRig::new(&rig.params, beam, most).map_err(|e| from_numerics(e.into()))?;
+    let modal = ModalRig::new(&rig.params, beam, most).map_err(from_numerics)?;
     let request = ModesRequest {
         rig: &rig,
         beam,
