@@ -112,11 +112,16 @@ impl<'py> Keywords<'py> {
 
     /// One drive frequency, Hz, from exactly one of the two arguments.
     pub fn one_frequency(&self, rig: &NamedRig) -> PyResult<f64> {
+        let given = self.frequency_if_given(rig)?;
+        given.ok_or_else(|| wrong(NO_FREQUENCY))
+    }
+
+    /// One drive frequency, Hz, from one of the two arguments; none if neither is there.
+    pub fn frequency_if_given(&self, rig: &NamedRig) -> PyResult<Option<f64>> {
         let given: (Option<f64>, _) = (self.take("ratio")?, self.take("frequency_hz")?);
         match given {
-            (Some(ratio), None) => Ok(ratio * rig.params.natural_frequency_hz()),
-            (None, Some(hz)) => Ok(hz),
-            (None, None) => Err(wrong(NO_FREQUENCY)),
+            (Some(ratio), None) => Ok(Some(ratio * rig.params.natural_frequency_hz())),
+            (None, hz) => Ok(hz),
             (Some(_), Some(_)) => Err(two_frequencies()),
         }
     }

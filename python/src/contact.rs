@@ -1,6 +1,7 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
 use files::words::identify::IdentifyAnswer;
+use numerics::compare::{ComparisonRequest, MeasuredFrame, compare as compare_with};
 use numerics::contact_law::{all_laws, rows};
 use numerics::drop_test::{DropTest, record as record_of};
 use numerics::identify::{Misfit, SearchSettings, identify as fit_all, release_m};
@@ -107,6 +108,29 @@ pub fn identify(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     record(found)
 }
 
+#[pyfunction]
+pub fn compare(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let signal = signal(&asked)?;
+    let rig = asked.rig_at_gap()?;
+    let question = ComparisonRequest {
+        params: rig.params,
+        engine: asked.engine()?,
+        frequency_hz: asked.frequency_if_given(&rig)?,
+        start: asked.start()?,
+        plan: asked.plan()?,
+        frame: match asked.take::<String>("frame")?.as_str() {
+            "fixed" => MeasuredFrame::Fixed,
+            "relative" => MeasuredFrame::Relative,
+            other => return Err(choice("frame", other, &["fixed", "relative"])),
+        },
+    };
+    let found = asked.run(1, |_| compare_with(&signal, &question))?;
+    let answer = fields(py, &found.errors)?;
+    answer.set_item("rows", table(py, &found.rows)?)?;
+    record(answer)
+}
+
 /// What the names given, one or several, stand for.
 fn chosen<T: Copy>(
     asked: &Keywords<'_>,
@@ -132,12 +156,14 @@ fn chosen<T: Copy>(
 /// The record: columns of one length, times rising, every value a number.
 fn signal(asked: &Keywords<'_>) -> PyResult<Signal> {
     let time_s = asked.numbers("time_s")?.unwrap_or_default();
-    let force_n = asked.numbers("force_n")?.unwrap_or_default();
+    let force_n = asked.numbers("force_n")?;
     let displacement_mm = asked.numbers("displacement_mm")?;
+    let cart_mm = asked.numbers("cart_mm")?;
     let count = time_s.len();
     for (argument, column) in [
-        ("force_n", Some(&force_n)),
-        ("displacement_mm", displacement_mm.as_ref()),
+        ("force_n", &force_n),
+        ("displacement_mm", &displacement_mm),
+        ("cart_mm", &cart_mm),
     ] {
         let Some(column) = column else { continue };
         if column.len() != count {
@@ -162,8 +188,8 @@ fn signal(asked: &Keywords<'_>) -> PyResult<Signal> {
     Ok(Signal {
         name: "the record".to_owned(),
         time_s,
-        force_n: Some(force_n),
+        force_n,
         displacement_mm,
-        cart_mm: None,
+        cart_mm,
     })
 }

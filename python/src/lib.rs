@@ -12,6 +12,7 @@ mod drill;
 mod emulate;
 mod error;
 mod map;
+mod modes;
 mod orbits;
 mod pick;
 mod rig;
@@ -39,6 +40,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(contact::contact, module)?)?;
     module.add_function(wrap_pyfunction!(contact::drop, module)?)?;
     module.add_function(wrap_pyfunction!(contact::identify, module)?)?;
+    module.add_function(wrap_pyfunction!(contact::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(modes::modes, module)?)?;
     module.add_function(wrap_pyfunction!(drill::drill, module)?)?;
     module.add_function(wrap_pyfunction!(emulate::emulate, module)?)?;
     module.add_function(wrap_pyfunction!(emulate::scenarios, module)?)?;

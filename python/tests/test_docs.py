@@ -1,6 +1,7 @@
 """What stands in the documents runs."""
 
 import re
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,14 @@ def test_the_examples_of_the_page_run_one_after_the_other(capsys):
     short = (ROOT / "python/README.md").read_text()
     fields = re.findall(r"answer\.(\w+)", short)
     assert fields and all(field in names["answer"] for field in fields)
+
+
+@pytest.mark.parametrize("page", ["pick", "simulate"])
+def test_an_example_beside_the_command_line_runs(page):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / f"docs/{page}.md").read_text(), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        exec(compile(textwrap.dedent(block), f"docs/{page}.md", "exec"), {})
 
 
 def test_every_public_function_says_what_it_takes_and_gives():

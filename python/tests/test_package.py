@@ -4,6 +4,7 @@ import pickle
 import signal
 import threading
 import time
+import typing
 
 import numpy as np
 import pytest
@@ -162,12 +163,25 @@ def test_records_travel_and_print():
     assert again.shape == (2, 3) and again == found
     assert again != vi.map(WIRES, gap_mm=[0.0, 0.5], ratio=[1.9, 2.0, 2.2])
     assert "2 x 3 cells" in repr(found)
+    assert "data:image/png" in found._repr_html_() and "gap_mm 0 to 0.5" in found._repr_html_()
+    assert vi.sweep(WIRES, ratio=[1.9, 2.0], cycles=60, transient=40)._repr_html_().count("<circle") == 2
     run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, samples_per_period=20)
     assert pickle.loads(pickle.dumps(run)) == run
     assert "regime='1/1'" in repr(run) and "<td>regime</td><td>1/1</td>" in run._repr_html_()
     assert run.section._repr_html_().count("<tr>") == 11 and "120 rows" in run.section._repr_html_()
     with pytest.raises(AttributeError, match="there is no field"):
         run.nothing
+
+
+@pytest.mark.parametrize("rig", ["wires", "beam-170"])
+def test_the_types_of_answers_are_stated(rig):
+    answers = [vi.simulate(vi.Rig(rig), ratio=2.02, cycles=60, transient=40), vi.pick(vi.Rig(rig), samples=0)]
+    for found in answers:
+        kinds = typing.get_type_hints(type(found))
+        assert kinds.keys() == set(found)
+        for name, kind in kinds.items():
+            allowed = typing.get_args(kind) if typing.get_origin(kind) is typing.Union else (kind,)
+            assert isinstance(found[name], tuple(typing.get_origin(one) or one for one in allowed)), name
 
 
 @pytest.mark.parametrize("options", [{}, {"engine": "switch", "tick_us": 20.0, "cart": "prescribed"}])
@@ -205,6 +219,7 @@ def test_tables_become_pandas_and_xarray():
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 6
     assert frame.force_n[4] == found.force_n[1, 1] == cube.force_n.values[1, 1]
     assert cube.sizes == {"gap_mm": 2, "frequency_hz": 3} and cube.attrs["rig"] == "wires"
+    assert cube.source == table.to_xarray().source == f"vibroimpact {vi.__version__}"
     assert (cube.gap_mm.units, cube.frequency_hz.units, cube.force_n.units) == ("mm", "Hz", "N")
 
 

@@ -161,6 +161,25 @@ def test_drop_and_identify(host_sim, tmp_path):
     same(found, expected)
 
 
+def test_compare(host_sim, tmp_path):
+    run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.1, samples_per_period=400, cycles=604, transient=600).history
+    file = tmp_path / "record.csv"
+    lines = zip(run.time_s.tolist(), run.force_n.tolist(), run.displacement_mm.tolist())
+    file.write_text("time_s,force_n,displacement_mm\n" + "".join(f"{t!r},{f!r},{d!r}\n" for t, f, d in lines))
+    found = vi.compare(WIRES, run.time_s, run.force_n, run.displacement_mm, ratio=2.02, gap_mm=0)
+    expected = host_sim("compare", file, "--ratio", 2.02, "--gap", 0)
+    assert expected.pop("notes") is not None
+    same(found, expected)
+    assert found.rows.rows == found.samples == len(run.time_s) and found.displacement_rms_mm > 0
+
+
+def test_modes(host_sim):
+    found = vi.modes(vi.Rig("beam-170"), ratio=2, modes=[1, 3])
+    expected = host_sim("modes", "--rig", "beam-170", "--ratio", 2, "--modes", "1,3")
+    same_rows(found.modes, expected["modes"])
+    same_rows(found.rows, expected["rows"])
+
+
 def test_drill(host_sim):
     found = vi.drill(WIRES, threshold_n=25, ratio=np.arange(1.9, 2.3001, 0.1))
     expected = host_sim("drill", "--threshold-n", 25, "--ratio", "1.9:2.3:0.1")

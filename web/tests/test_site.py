@@ -66,7 +66,19 @@ def test_no_page_is_wider_than_the_screen_and_no_picture_is_missing(opened):
         assert [one for one in named if one.endswith(".md")] == [], file.name
     assert found.said == []
     # Nothing is asked for but the site's own files.
-    assert [url for url in found.asked if not url.startswith(SITE.as_uri())] == []
+    assert [url for url in found.asked if not url.startswith((SITE.as_uri(), "blob:"))] == []
+
+
+def test_the_example_in_tabs_and_the_page_within_a_page(opened):
+    found = opened(file=SITE / "docs/pick.html")
+    example = found.page.get_by_text("vi.pick(").first
+    assert not example.is_visible()
+    found.page.get_by_text("Python", exact=True).first.click()
+    assert example.is_visible()
+    found.page.goto((SITE / "docs/tutorial-explore.html").as_uri())
+    found.page.locator("iframe").scroll_into_view_if_needed()
+    found.page.frame_locator("iframe").locator(".answer[aria-busy=false]").wait_for()
+    assert found.said == []
 
 
 MISTAKES = {

@@ -79,8 +79,9 @@ cargo xtask COMMAND
                               wheel in an environment of its own; with --check only pack the program of the tests,
                               twice, and look at the archive
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
-                              documentation of the crates and of the Python package, the page; with --check the
-                              pages alone (Sphinx makes them: needs Python, and the network once)
+                              documentation of the crates and of the Python package, the chapter's figures (five
+                              minutes on two cores) and the page; with --check the pages alone (Sphinx makes them: needs
+                              Python, and the network once)
   web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
                               compares its numbers with host-sim's; WORDS go to pytest
   lab [--board PORT] [OPTIONS]

@@ -17,6 +17,7 @@ from ._analyses import (
     Map,
     basins,
     bifurcation,
+    compare,
     contact,
     drill,
     drop,
@@ -24,6 +25,7 @@ from ._analyses import (
     identify,
     lyapunov,
     map,
+    modes,
     orbits,
     pick,
     poincare,
@@ -31,6 +33,7 @@ from ._analyses import (
     simulate,
     sweep,
 )
+from ._answers import Pick, Run
 from ._native import Rig, __version__, presets
 from ._records import Grid, Record, Table
 from ._store import map_to_zarr
@@ -39,12 +42,15 @@ __all__ = [
     "Basins",
     "Grid",
     "Map",
+    "Pick",
     "Record",
     "Rig",
+    "Run",
     "Table",
     "__version__",
     "basins",
     "bifurcation",
+    "compare",
     "contact",
     "drill",
     "drop",
@@ -53,6 +59,7 @@ __all__ = [
     "lyapunov",
     "map",
     "map_to_zarr",
+    "modes",
     "orbits",
     "pick",
     "poincare",

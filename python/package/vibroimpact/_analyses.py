@@ -11,6 +11,7 @@ from typing import Literal, Union
 import numpy as np
 
 from . import _native
+from ._answers import Pick, Run
 from ._native import Rig
 from ._records import Grid, Record, Table
 
@@ -35,7 +36,7 @@ def simulate(
     engine: Literal["event", "switch"] = "event",
     precision: Literal["f32", "f64"] | None = None,
     tick_us: float | None = None,
-) -> Record:
+) -> Run:
     """One run at one drive frequency.
 
     Parameters
@@ -63,7 +64,7 @@ def simulate(
 
     Returns
     -------
-    Record
+    Run
         Regime z = p/n (``regime``, ``impacts``, ``periods``), ``force_n``, ``force_ratio`` (over the weight), the strongest
         contact's speed, time, energy and impulse; tables ``history`` (time_s, displacement_mm, force_n, ... of shape
         ((cycles - transient) * samples_per_period,)), ``section`` (drive phase 0, one row a cycle) and ``contacts``.
@@ -77,7 +78,7 @@ def simulate(
     -----
     Equations (3-8) to (3-18) of the chapter; regimes by the Poincaré section at drive phase 0.
     """
-    return _native.simulate(locals())
+    return Run(_native.simulate(locals()))
 
 
 def sweep(
@@ -151,7 +152,7 @@ def pick(
     max_shaker_force_n: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Pick:
     """The frequency to run at: the strongest stable 1/1 that holds over the uncertainty and within the limits.
 
     Parameters
@@ -176,7 +177,7 @@ def pick(
 
     Returns
     -------
-    Record
+    Pick
         The fields of ``host-sim pick --format json``, among them ``operating_frequency_hz``, ``force_ratio``, ``safe_band_hz``,
         ``stable_one_one_hz``, ``multipliers``, ``shaker``, ``sensitivity``; and the nominal stable 1/1 as
         ``curve_frequency_hz`` and ``curve_force_ratio``.
@@ -188,7 +189,7 @@ def pick(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    return _native.pick(locals())
+    return Pick(_native.pick(locals()))
 
 
 class Map(Grid):
@@ -548,6 +549,83 @@ def identify(
         The record has no impact, or an argument cannot be used.
     """
     return _native.identify(locals())
+
+
+def compare(
+    rig: Rig,
+    time_s: Iterable[float],
+    force_n: Iterable[float] | None = None,
+    displacement_mm: Iterable[float] | None = None,
+    cart_mm: Iterable[float] | None = None,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    frame: Literal["fixed", "relative"] = "fixed",
+    start: Start = "rest",
+    cycles: int = 600,
+    transient: int = 480,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+) -> Record:
+    """A record beside its simulation: both motions, and the errors.
+
+    Parameters
+    ----------
+    time_s, force_n, displacement_mm, cart_mm:
+        The record: arrays of one length, times rising; force or displacement of the hammer, or both, and the cart's motion
+        if it was measured.
+    ratio, frequency_hz:
+        The drive frequency, as in :func:`simulate`; found from the record if left out.
+    frame:
+        The measured displacement is in the ``"fixed"`` frame or ``"relative"`` to the cart.
+
+    The other arguments are those of :func:`simulate`.
+
+    Returns
+    -------
+    Record
+        Errors of displacement, force, contacts and contact time, and a table ``rows`` with both motions at each sample.
+    """
+    return _native.compare(locals())
+
+
+def modes(
+    rig: Rig,
+    *,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    modes: Sequence[int] = (1, 2, 3, 5),
+    springs_mass: float = 0.1,
+    tip: Literal["guided", "free"] = "guided",
+    cycles: int = 600,
+    transient: int = 480,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Beam springs that bend in several modes: force, swing, and where the energy goes.
+
+    Parameters
+    ----------
+    modes:
+        Numbers of bending modes to keep, up to 8; each is run at each frequency.
+    springs_mass:
+        Mass of the springs over the hammer's (assumed: the chapter gives none).
+    tip:
+        How the hammer holds the springs' end: it cannot turn (``"guided"``), or turns with it (``"free"``).
+
+    The other arguments are those of :func:`sweep`.
+
+    Returns
+    -------
+    Record
+        Tables ``modes`` (a row for each bending mode) and ``rows`` (a row for each frequency and number of modes).
+    """
+    return _native.modes(locals())
 
 
 def drill(

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import html
+import struct
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from ._native import __version__
 
 if TYPE_CHECKING:
     import pandas
@@ -17,6 +22,17 @@ _UNITS = {
     "_m_per_s2": "m/s2", "_m_per_s": "m/s", "_n_s": "N s", "_per_s": "1/s", "_hz": "Hz", "_mm": "mm", "_um": "um", "_ms": "ms", "_kg": "kg",
     "_percent": "%", "_turns": "turn", "_ratio": "1", "_n": "N", "_s": "s", "_j": "J", "_w": "W",
 }
+
+
+# What made a data set.
+_SOURCE = {"source": f"vibroimpact {__version__}"}
+# The colours of the command line's pictures, and that of every other p/n.
+_COLOURS = {
+    "1/1": "0072b2", "2/2": "009e73", "4/4": "9ae0c4", "1/2": "e69f00", "2/4": "fbe0a0", "1/3": "f0e442", "1/4": "a8a21e",
+    "2/1": "882255", "3/1": "b85cc0", "3/2": "332288", "aperiodic": "383838", "unsettled": "905010", "chatter": "cc79a7",
+    "none": "e8e8e8", "no impact": "e8e8e8", "failed": "ffffff",
+}
+_OTHER = "c9b8f0"
 
 
 class Record(Mapping[str, Any]):
@@ -66,7 +82,7 @@ class Record(Mapping[str, Any]):
         return f"{type(self).__name__}(\n" + ",\n".join(lines) + "\n)"
 
     def _repr_html_(self) -> str:
-        return _html((), self._fields.items())
+        return _curve(self._fields) + _html((), self._fields.items())
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as plain Python values: dictionaries, lists, numbers and strings."""
@@ -100,7 +116,7 @@ class Table(Record):
 
     def _repr_html_(self) -> str:
         first = zip(*(values[:10] for values in self._fields.values()))
-        return _html(self._fields, first) + f"<p>{self.rows} rows</p>"
+        return _curve(self._fields) + _html(self._fields, first) + f"<p>{self.rows} rows</p>"
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a ``pandas.DataFrame`` (needs pandas)."""
@@ -112,7 +128,7 @@ class Table(Record):
         """The table as an ``xarray.Dataset`` over the dimension ``row`` (needs xarray)."""
         import xarray
 
-        return xarray.Dataset({key: ("row", values, _unit(key)) for key, values in self._fields.items()})
+        return xarray.Dataset({key: ("row", values, _unit(key)) for key, values in self._fields.items()}, attrs=_SOURCE)
 
 
 class Grid(Record):
@@ -149,6 +165,21 @@ class Grid(Record):
         at = f"{self.shape[0]} x {self.shape[1]} cells over {rows} and {columns}"
         return f"{type(self).__name__}({at}: {', '.join(self._layers)})"
 
+    def _repr_html_(self) -> str:
+        """The first layer of names as a picture, with the share of each name."""
+        named = next(name for name in self._layers if self._fields[name].dtype.kind == "U")
+        names, index, cells = np.unique(self._fields[named], return_inverse=True, return_counts=True)
+        colours = [_COLOURS.get(name, _OTHER) for name in names]
+        png = base64.b64encode(_png(index.reshape(self.shape)[::-1], [bytes.fromhex(one) for one in colours])).decode()
+        shares = sorted(zip(cells / index.size, names, colours), reverse=True)[:8]
+        legend = (f'<span style="color:#{colour}">&#9632;</span> {html.escape(name)} {share:.1%}' for share, name, colour in shares)
+        rows, columns = ("{0} {1[0]:.4g} to {1[1]:.4g}".format(axis, self._fields[axis][[0, -1]]) for axis in self._axes)
+        return (
+            f"<p>{named}: {' '.join(legend)}</p>"
+            f'<img src="data:image/png;base64,{png}" alt="{named}" style="width:480px;height:320px;image-rendering:pixelated">'
+            f"<p>{columns}; upwards {rows}</p>" + _html((), self._fields.items())
+        )
+
     def to_pandas(self) -> pandas.DataFrame:
         """A ``pandas.DataFrame`` with a row for each cell (needs pandas)."""
         import pandas
@@ -164,12 +195,36 @@ class Grid(Record):
         layers = {name: (self._axes, self._fields[name], _unit(name)) for name in self._layers}
         axes = {axis: (axis, self._fields[axis], _unit(axis)) for axis in self._axes}
         said = {key: value for key, value in self._fields.items() if isinstance(value, (str, int, float))}
-        return xarray.Dataset(layers, axes, said)
+        return xarray.Dataset(layers, axes, said | _SOURCE)
 
 
 def _unit(name: str) -> dict[str, str]:
     """The attribute ``units`` of a variable of this name, if it has one."""
     return next(({"units": unit} for end, unit in _UNITS.items() if name.endswith(end)), {})
+
+
+def _png(index: np.ndarray, colours: list[bytes]) -> bytes:
+    """A picture with a palette: a colour's place for each cell, the first row on top."""
+    def part(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width = index.shape
+    lines = np.pad(index.astype(np.uint8), ((0, 0), (1, 0))).tobytes()
+    head = part(b"IHDR", struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0)) + part(b"PLTE", b"".join(colours))
+    return b"\x89PNG\r\n\x1a\n" + head + part(b"IDAT", zlib.compress(lines)) + part(b"IEND", b"")
+
+
+def _curve(fields: Mapping[str, Any]) -> str:
+    """Force over frequency, where the fields have both, as a picture."""
+    for x, y in [("curve_frequency_hz", "curve_force_ratio"), ("frequency_hz", "force_ratio")]:
+        over, force = fields.get(x), fields.get(y)
+        if isinstance(over, np.ndarray) and isinstance(force, np.ndarray) and len(over) > 1 and np.ptp(over) > 0 and np.nanmax(force) > 0:
+            at = zip(580 * (over - over.min()) / np.ptp(over) + 10, 190 - 170 * force / np.nanmax(force))
+            points = "".join(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2"/>' for a, b in at if b == b)
+            said = f"{y}, 0 to {np.nanmax(force):.4g}, over {x}, {over.min():.4g} to {over.max():.4g}"
+            frame = '<path d="M10 10V190H590" fill="none" stroke="currentColor"/>'
+            return f'<svg viewBox="0 0 600 200" width="600" fill="#0072b2" role="img">{frame}{points}</svg><p>{said}</p>'
+    return ""
 
 
 def _html(head: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:

@@ -11,9 +11,10 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.addnodes import pending_xref
 from sphinx.util import logging
 from sphinx.util.osutil import relative_uri
+from sphinx_inline_tabs._impl import TabContainer
 
 project = html_title = "vibroimpact"
-extensions = ["myst_parser", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx_copybutton", "sphinx_inline_tabs"]
 # The pages lie where a repository's reader finds them; contents.md is their order.
 root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "tests/fuzz/README.md"]
@@ -38,10 +39,13 @@ html_copy_source = html_use_index = html_show_copyright = html_show_search_summa
 
 # What may stand in the site before Sphinx writes its pages.
 ELSEWHERE = {
+    "figures/index.html": "The chapter's figures",
     "explore.html": "The page",
     "rust/numerics/index.html": "Rust crates",
     "python-api/vibroimpact.html": "Python package",
 }
+# Which of these stands in a page that tells of it.
+WITHIN = {"docs/figures": "figures/index.html", "docs/tutorial-explore": "explore.html"}
 # What a browser without a font for mathematics draws badly of docutils' MathML, and what it draws well.
 DRAWN = [
     (r"\n\s*", ""),
@@ -93,8 +97,22 @@ def formula(writer, node):
     raise nodes.SkipNode
 
 
+def draw_tabs(doctree):
+    """A list whose entries begin with a line in bold becomes tabs."""
+    for entries in list(doctree.findall(nodes.bullet_list)):
+        heads = [entry[0] for entry in entries]
+        if all(head.astext() == "".join(part.astext() for part in head.findall(nodes.strong)) for head in heads):
+            label = [nodes.label("", head.astext()) for head in heads]
+            shown = [nodes.container("", *entry[1:], is_div=True, classes=["tab-content"]) for entry in entries]
+            entries.replace_self([TabContainer("", *tab, type="tab", new_set=False) for tab in zip(label, shown)])
+
+
 def read(app, doctree):
     page = app.env.docname
+    draw_tabs(doctree)
+    if Path(app.outdir, shown := WITHIN.get(page, "-")).exists():
+        frame = nodes.raw("", f'<iframe src="../{shown}" title="{ELSEWHERE[shown]}" loading="lazy"></iframe>', format="html")
+        doctree[0].insert(doctree[0].first_child_matching_class(nodes.section), frame)
     for link in list(doctree.findall(pending_xref)):
         if link["reftype"] == "myst" and link["refdomain"] is None:
             link_to_folder(app, page, link)

@@ -1,5 +1,5 @@
 //! The site in `target/site`: the pages of `docs/` and those beside them, the documentation of the crates and of the Python
-//! package, and the page. None of it needs a network.
+//! package, the chapter's figures, and the page. None of it needs a network.
 //!
 //! Sphinx makes the pages as `conf.py` says; `contents.md` is their order. Whatever it warns of is an error: a link, anchor or
 //! picture that is not there, a page that is not in the order, a mistake in an equation.
@@ -13,25 +13,25 @@ use std::{
 use crate::{
     JobResult,
     command::{self, cargo, root},
-    python, web,
+    desktop, python, web,
 };
 
 /// Builds it, or for a check the pages alone; where it is.
 pub fn run(check: bool) -> JobResult<PathBuf> {
     let name = if check { "site-check" } else { "site" };
     let place = root().join("target").join(name);
-    let part = place.with_extension("part");
-    for old in [&place, &part] {
-        if old.exists() {
-            fs::remove_dir_all(old)?;
-        }
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
     }
-    fs::create_dir_all(&part)?;
+    fs::create_dir_all(&place)?;
     if !check {
-        made_elsewhere(&part)?;
+        made_elsewhere(&place)?;
     }
-    pages(&part)?;
-    fs::rename(&part, &place)?;
+    let explore = root().join("target/web/index.html");
+    if explore.exists() {
+        fs::copy(explore, place.join("explore.html"))?;
+    }
+    pages(&place)?;
     println!("no dead link: {}", place.join("index.html").display());
     Ok(place)
 }
@@ -48,11 +48,14 @@ fn pages(place: &Path) -> JobResult {
     command::run(sphinx.arg(root()).arg(place))
 }
 
-/// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
+/// The documentation that other programs make, and the page in `target/web`, each left out with a line where it cannot be had.
 fn made_elsewhere(place: &Path) -> JobResult {
-    if let Some(page) = web::build_if_possible()? {
-        fs::copy(page, place.join("explore.html"))?;
-    }
+    web::build_if_possible()?;
+    // The gallery: a later run makes only what has changed.
+    let figures = root().join("target/figures");
+    let mut make = Command::new(desktop::released()?);
+    command::run(make.args(["figures", "--out"]).arg(&figures))?;
+    gallery(&figures, &place.join("figures"))?;
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);
     command::run(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
@@ -64,6 +67,24 @@ fn made_elsewhere(place: &Path) -> JobResult {
     if let Err(error) = python_docs(place) {
         println!("the Python package's documentation is left out: {error}");
     }
+    Ok(())
+}
+
+/// The page of the figures with its pictures, without its tables, which are some 400 MB.
+fn gallery(from: &Path, to: &Path) -> JobResult {
+    fs::create_dir(to)?;
+    for file in fs::read_dir(from)? {
+        let path = file?.path();
+        if path
+            .extension()
+            .is_some_and(|end| end == "png" || end == "svg")
+        {
+            fs::copy(&path, to.join(path.file_name().unwrap_or_default()))?;
+        }
+    }
+    let page = fs::read_to_string(from.join("index.html"))?;
+    let lines = page.lines().filter(|line| !line.contains("<dt>Files</dt>"));
+    fs::write(to.join("index.html"), lines.collect::<Vec<_>>().join("\n"))?;
     Ok(())
 }
 

@@ -21,7 +21,8 @@ code{background:#f2f2f2;padding:.1rem .3rem;border-radius:3px;font-size:.9rem}\
 table{border-collapse:collapse;margin:.6rem 0}th,td{text-align:left;vertical-align:top;\
 padding:.25rem .8rem .25rem 0;border-bottom:1px solid #e4e4e4}th{color:#555}td:last-child{white-space:nowrap}\
 .later{color:#777}.rough{background:#fff4d6;border:1px solid #e6c25c;padding:.6rem 1rem}\
-@media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}}";
+@media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}table{display:block;overflow-x:auto}\
+dd,code{overflow-wrap:anywhere}}";
 
 /// The whole page. There is one of `records` for each part, in order; none where it is not made.
 pub fn page(effort: Effort, records: &[Option<PartRecord>]) -> String {
