@@ -35,7 +35,7 @@ fn query(point: &ChapterBasin, effort: Effort) -> Result<BasinsRequest, UserErro
     match effort {
         Effort::Full => Ok(BasinsRequest {
             samples: 0,
-            ..point.query(500, 500)?
+            ..point.query(250, 250)?
         }),
         Effort::Coarse => Ok(BasinsRequest {
             cycles: 120,
