@@ -146,7 +146,10 @@ fn a_drive_force_limit_that_no_frequency_keeps_lowers_the_amplitude() {
         .run("pick --nominal --cart prescribed --max-shaker-force-n 0.5")
         .well()
         .out;
-    assert!(text.contains("lowered: at the rig's amplitude no frequency keeps"), "{text}");
+    assert!(
+        text.contains("lowered: at the rig's amplitude no frequency keeps"),
+        "{text}"
+    );
 }
 
 /// The loop of the assumed shaker gives some 17 N at the wires, most of it against the recoil.

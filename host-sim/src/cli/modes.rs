@@ -18,7 +18,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 /// Compute beam springs with more than one bending mode: force, displacement, and the energy of the modes
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores each number of modes takes a tenth of a second at each frequency.\n\nExamples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
+    after_help = "On two cores a hundred runs (a number of modes at a frequency each) take some two seconds.\n\nExamples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
 )]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {

@@ -10,22 +10,22 @@ use numerics::engine::Engine;
 
 /// A part for each figure, which shares no runs with the others.
 pub const PARTS: [FiguresPart; 6] = [
-    FiguresPart::new("basins 3.36", &["3.36"], 21.0, |effort, progress| {
+    FiguresPart::new("basins 3.36", &["3.36"], 9.8, |effort, progress| {
         page("3.36", effort, progress)
     }),
-    FiguresPart::new("basins 3.37", &["3.37"], 21.0, |effort, progress| {
+    FiguresPart::new("basins 3.37", &["3.37"], 10.1, |effort, progress| {
         page("3.37", effort, progress)
     }),
-    FiguresPart::new("basins 3.38", &["3.38"], 31.0, |effort, progress| {
+    FiguresPart::new("basins 3.38", &["3.38"], 10.3, |effort, progress| {
         page("3.38", effort, progress)
     }),
-    FiguresPart::new("basins 3.52", &["3.52"], 25.0, |effort, progress| {
+    FiguresPart::new("basins 3.52", &["3.52"], 6.3, |effort, progress| {
         page("3.52", effort, progress)
     }),
-    FiguresPart::new("basins 3.53", &["3.53"], 30.0, |effort, progress| {
+    FiguresPart::new("basins 3.53", &["3.53"], 8.6, |effort, progress| {
         page("3.53", effort, progress)
     }),
-    FiguresPart::new("basins 3.54", &["3.54"], 60.0, |effort, progress| {
+    FiguresPart::new("basins 3.54", &["3.54"], 10.2, |effort, progress| {
         page("3.54", effort, progress)
     }),
 ];

@@ -76,11 +76,11 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn switch_model(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserError> {
-    let (rows, columns, cycles) = effort.of((24, 40, 150), (3, 4, 30));
+    let (rows, columns, cycles) = effort.of((16, 28, 100), (3, 4, 30));
     let plan = CellPlan {
         cycles,
         recorded: cycles / 3,
-        early: true,
+        early: false,
         strobes: 0,
     };
     let rig = NamedRig::preset("wires")?;

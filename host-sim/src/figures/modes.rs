@@ -11,13 +11,15 @@ use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Numbers of modes compared.
 const COUNTS: [usize; 4] = [1, 2, 3, 5];
+/// The fewest and the most of them.
+const ENDS: [usize; 2] = [1, 5];
 
 /// Springs' mass over the hammer's, as assumed where nothing else is said.
 const MASS_RATIO: f64 = 0.1;
 
 /// Step of the frequency ratio, and cycles.
 fn resolution(effort: Effort) -> (f64, Cycles) {
-    let (step, cycles) = effort.of((0.02, 400), (0.5, 120));
+    let (step, cycles) = effort.of((0.04, 400), (0.5, 120));
     let transient = cycles - 60;
     (step, Cycles { cycles, transient })
 }
@@ -41,7 +43,7 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
         let title = format!("Bending modes, couplings {title} mm apart, gap 0.0 mm");
         let figure = over_frequency(&title, &rows);
         let command =
-            format!("host-sim modes --rig {beam} --cart prescribed --ratio 1:2.6:0.02 --out DIR");
+            format!("host-sim modes --rig {beam} --cart prescribed --ratio 1:2.6:0.04 --out DIR");
         pages.push(Page::new(name, title, command, &figure)?.table("", &rows));
     }
     Ok(pages)
@@ -166,8 +168,7 @@ pub fn change_over(
     let hz = (0..=count).map(|i| natural * (1.0 + 1.6 * f64::from(i) / f64::from(count)));
     let hz: Vec<f64> = hz.collect();
     let (_, cycles) = resolution(Effort::Full);
-    let ends = [1, COUNTS[COUNTS.len() - 1]];
-    let rows = rows_with(&rig, assumed(MASS_RATIO), &ends, &hz, cycles, progress)?;
+    let rows = rows_with(&rig, assumed(MASS_RATIO), &ENDS, &hz, cycles, progress)?;
     let pairs = pairs(&rows);
     let spread = pairs.iter().map(|(a, _)| a.section_spread_mm);
     Ok(ModesChange {
@@ -228,8 +229,9 @@ fn mass_curves(
 ) -> Result<(Vec<MassCurves>, Vec<ModesRow>), UserError> {
     let (_, cycles) = resolution(effort);
     const MASSES: [f64; 8] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5];
-    let (count, masses) = effort.of((70u32, &MASSES[..]), (4, &[0.05, 0.3][..]));
+    let (count, masses) = effort.of((35u32, &MASSES[..]), (4, &[0.05, 0.3][..]));
     let rig = rigfile::load("beam-170", &[])?;
+    let natural = rig.params.natural_frequency_hz();
     let (mut curves, mut all) = (Vec::new(), Vec::new());
     for tip in [TipJoint::Guided, TipJoint::Free] {
         let (mut force, mut swing) = (Vec::new(), Vec::new());
@@ -238,8 +240,9 @@ fn mass_curves(
                 tip,
                 mass_ratio: *mass_ratio,
             };
-            let ratios = (0..=count).map(|i| 1.2 + 1.4 * f64::from(i) / f64::from(count));
-            let rows = rows(&rig, beam, ratios, cycles, progress)?;
+            let hz = (0..=count).map(|i| natural * (1.2 + 1.4 * f64::from(i) / f64::from(count)));
+            let hz: Vec<f64> = hz.collect();
+            let rows = rows_with(&rig, beam, &ENDS, &hz, cycles, progress)?;
             let pairs = pairs(&rows);
             if !pairs.is_empty() {
                 force.push((*mass_ratio, change(&pairs, |row| row.force_n)));

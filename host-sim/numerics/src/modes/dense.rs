@@ -45,10 +45,28 @@ impl Square {
     /// The row `x` times this matrix.
     pub fn after(&self, x: &[f64]) -> Vec<f64> {
         let mut row = vec![0.0; self.size];
+        self.after_into(x, &mut row);
+        row
+    }
+
+    /// The row `x` times this matrix, into `row`: of a transposed matrix what [`apply`](Self::apply) does, some times as fast,
+    /// since no sum waits for the one before.
+    pub fn after_into(&self, x: &[f64], row: &mut [f64]) {
+        row.fill(0.0);
         for (factor, own) in x.iter().zip(self.at.chunks_exact(self.size)) {
             row.iter_mut().zip(own).for_each(|(r, a)| *r += factor * a);
         }
-        row
+    }
+
+    /// Rows and columns exchanged.
+    pub fn transposed(&self) -> Self {
+        let mut turned = Self::zero(self.size);
+        for i in 0..self.size {
+            for (k, x) in self.row(i).iter().enumerate() {
+                turned.row_mut(k)[i] = *x;
+            }
+        }
+        turned
     }
 
     /// This matrix times `other`.

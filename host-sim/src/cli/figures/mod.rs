@@ -20,7 +20,7 @@ use record::PartRecord;
 /// Make every computed figure of the chapter again: pictures, tables and one page
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "On two cores all figures take five minutes, with --coarse half a minute.\n\nExamples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
+    after_help = "On two cores all figures take four minutes, with --coarse half a minute.\n\nExamples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
 )]
 pub struct Args {
     /// Folder for the page (index.html), pictures and tables

@@ -74,23 +74,25 @@ impl Follower {
             path: Some(Vec::new()),
             ..PeriodEvents::default()
         };
+        let mut start = self.motion.at_phase_zero(&self.section);
         self.go_on(Some(&mut seen));
         let mut phase = 0.0;
         for leg in seen.path.take().unwrap_or_default() {
             if leg.touching != self.touching {
-                let rate = dot(&self.motion.rate, &leg.states[0]) * self.motion.units.1;
+                let rate = dot(&self.motion.rate, &start) * self.motion.units.1;
                 self.touching = leg.touching;
                 self.log.switch(leg.touching, phase / TAU, rate);
             }
             if leg.touching {
-                worked(self.press(&leg));
+                worked(self.press(&start, &leg));
             }
             let half = 0.5 * leg.length;
-            for (k, z) in (0_u8..).zip(&leg.states).skip(1) {
+            for (k, z) in (1_u8..).zip(&leg.states) {
                 let (state, deviation) = self.state_of(z, phase + f64::from(k) * half);
                 see(&state, deviation);
             }
             phase += leg.length;
+            [_, start] = leg.states;
         }
         Period {
             peak_force: seen.force * self.motion.units.0,
@@ -98,22 +100,17 @@ impl Follower {
         }
     }
 
-    /// Enters a piece of a contact; what the surface took in it, J. The integrals are those of the quintic through the values at
+    /// Enters a piece of a contact that begins at `start`; what the surface took in it, J. The integrals are those of the quintic through the values at
     /// the ends and the middle and the slopes at the ends.
-    fn press(&mut self, leg: &LinearLeg) -> f64 {
+    fn press(&mut self, start: &[f64], leg: &LinearLeg) -> f64 {
         let motion = &self.motion;
-        let force = leg
-            .states
-            .each_ref()
-            .map(|z| dot(&motion.force, z) * motion.units.0);
-        let rate = leg
-            .states
-            .each_ref()
-            .map(|z| dot(&motion.rate, z) * motion.units.1);
+        let states = [start, &leg.states[0], &leg.states[1]];
+        let force = states.map(|z| dot(&motion.force, z) * motion.units.0);
+        let rate = states.map(|z| dot(&motion.rate, z) * motion.units.1);
         // Slopes of force and rate at the beginning and at the end.
         let slopes = [0, 2].map(|k| {
-            let mut rates = vec![0.0; leg.states[k].len()];
-            motion.pressing.a.apply(&leg.states[k], &mut rates);
+            let mut rates = vec![0.0; states[k].len()];
+            motion.pressing.a.apply(states[k], &mut rates);
             let of = |row: &[f64], unit: f64| dot(row, &rates) * unit * self.omega;
             (
                 of(&motion.force, motion.units.0),

@@ -32,8 +32,11 @@ use crate::error::{Error, ModesError};
 pub use follow::Follower;
 pub use orbit::ModalOrbit;
 
-/// A step turns the fastest motion by no more than this, rad.
+/// A step turns the fastest motion of its phase by no more than this, rad.
 const TURN_PER_STEP: f64 = 0.5;
+
+/// Steps in a drive period at least: ends and middles show the extremes of the displacement to some 1e-5 of them.
+const STEPS_PER_PERIOD: f64 = 256.0;
 
 /// A shaker that holds a cart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +48,9 @@ pub struct HoldingShaker {
     /// Mass of hammer and springs, kg.
     pub hung_kg: f64,
 }
+
+/// Base steps that a flight far from the surface takes at once.
+const LEAP: usize = 16;
 
 /// The motion at one drive frequency.
 #[derive(Clone, Debug)]
@@ -61,18 +67,23 @@ pub struct LinearMotion {
     delta: Vec<f64>,
     rate: Vec<f64>,
     force: Vec<f64>,
-    /// Base step, in 1/Ω: the fastest motion turns by no more than [`TURN_PER_STEP`] in it.
-    step: f64,
 }
 
 /// One of the two linear phases.
 #[derive(Clone, Debug)]
 struct Phase {
     a: Square,
-    /// e^(A h/2), which leads over half the base step h.
+    /// Base step h, in 1/Ω: the fastest motion turns by no more than [`TURN_PER_STEP`] in it.
+    step: f64,
+    /// e^(A h) and e^(A h/2), transposed.
+    whole: Square,
     half: Square,
     /// e^(A h), e^(2 A h), e^(4 A h) ...
     ladder: Vec<Square>,
+    /// What a state makes of penetration and its rate after each of the next [`LEAP`] base steps, a column for each of its numbers.
+    ahead: Vec<[[f64; 2]; LEAP]>,
+    /// e^(A h) to the power of [`LEAP`], transposed.
+    leap: Square,
     /// The rates of penetration and of the law's force, as rows on the state.
     slopes: Slopes,
 }
@@ -90,23 +101,38 @@ impl Phase {
             let last = &ladder[ladder.len() - 1];
             ladder.push(last.times(last));
         }
-        let half = a.exponential(0.5 * step);
+        let half = a.exponential(0.5 * step).transposed();
         let slopes = Slopes {
             delta: a.after(delta),
             force: a.after(force),
         };
+        let (mut ahead, mut leap) = (
+            vec![[[0.0; 2]; LEAP]; delta.len()],
+            Square::one(delta.len()),
+        );
+        for k in 0..LEAP {
+            leap = leap.times(&ladder[0]);
+            let rows = [leap.after(delta), leap.after(&slopes.delta)];
+            for (i, column) in ahead.iter_mut().enumerate() {
+                column[k] = rows.each_ref().map(|row| row[i]);
+            }
+        }
         Self {
             a,
+            ahead,
+            leap: leap.transposed(),
+            step,
+            whole: ladder[0].transposed(),
             half,
             ladder,
             slopes,
         }
     }
 
-    /// e^(A t), which leads over the time `t`; `step` is the base step, both in 1/Ω.
-    fn over(&self, t: f64, step: f64) -> Square {
-        let whole = (t / step).floor();
-        let mut product = self.a.exponential(t - whole * step);
+    /// e^(A t), which leads over the time `t`, in 1/Ω.
+    fn over(&self, t: f64) -> Square {
+        let whole = (t / self.step).floor();
+        let mut product = self.a.exponential(t - whole * self.step);
         for (k, power) in self.ladder.iter().enumerate() {
             if (whole as u64) >> k & 1 == 1 {
                 product = power.times(&product);
@@ -175,10 +201,15 @@ impl LinearMotion {
         let in_contact = (stiffness * inverse_mass)
             .sqrt()
             .max(damping * inverse_mass);
-        let step = TURN_PER_STEP * omega / highest.max(in_contact);
-        let phase =
-            |acting: &[f64]| Phase::new(field(rig, held, omega, acting), step, &delta, &force);
-        let (free, pressing) = (phase(&vec![0.0; size]), phase(&force));
+        let phase = |acting: &[f64], fastest: f64| {
+            let step = (TURN_PER_STEP * omega / fastest).min(TAU / STEPS_PER_PERIOD);
+            Phase::new(field(rig, held, omega, acting), step, &delta, &force)
+        };
+        let held_at = held.map_or(0.0, |shaker| TAU * shaker.held.frequency_hz);
+        let (free, pressing) = (
+            phase(&vec![0.0; size], highest.max(held_at)),
+            phase(&force, highest.max(held_at).max(in_contact)),
+        );
         Ok(Self {
             modes: n,
             recoils: held.is_some(),
@@ -189,7 +220,6 @@ impl LinearMotion {
             delta,
             rate,
             force,
-            step,
         })
     }
 

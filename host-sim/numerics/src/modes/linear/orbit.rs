@@ -39,7 +39,7 @@ impl LinearMotion {
         let end = self.run(section, MOST_ONSETS, Some(&mut seen))?;
         let mut product = Square::one(section.len() + 3);
         for (i, (touching, time)) in seen.pieces.iter().enumerate() {
-            product = self.phase(*touching).over(*time, self.step).times(&product);
+            product = self.phase(*touching).over(*time).times(&product);
             if let Some(saltation) = seen.saltations.get(i) {
                 product = saltation.times(&product);
             }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::LinearMotion;
+use super::{LEAP, LinearMotion, Phase};
 use crate::modes::dense::{Square, dot};
 use crate::root::halved;
 
@@ -31,8 +31,8 @@ pub(super) struct LinearLeg {
     pub touching: bool,
     /// How long it lasts, in 1/Ω.
     pub length: f64,
-    /// At its beginning, in the middle and at the end.
-    pub states: [Vec<f64>; 3],
+    /// In the middle and at the end.
+    pub states: [Vec<f64>; 2],
 }
 impl LinearMotion {
     /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed, or has more than `most` onsets.
@@ -47,19 +47,42 @@ impl LinearMotion {
         let (mut left, mut since, mut onsets) = (TAU, 0.0, 0_u32);
         let mut approach = dot(&self.rate, &z);
         let mut next = z.clone();
+        // Penetration and its rate at `z`.
+        let mut from = self.free.approach(&self.delta, &z);
+        // Base steps until the next look far ahead.
+        let mut near = 0;
+        let watched = seen.as_ref().is_some_and(|seen| seen.path.is_some());
         loop {
             let phase = self.phase(touching);
-            let last = left <= self.step;
-            let h = if last { left } else { self.step };
+            let leap = LEAP as f64 * phase.step;
+            if near == 0 && !touching && !watched && left > leap {
+                near = LEAP;
+                if let Some(to) = phase.stays_below(from, &z) {
+                    phase.leap.after_into(&z, &mut next);
+                    std::mem::swap(&mut z, &mut next);
+                    (left, since, from, near) = (left - leap, since + leap, to, 0);
+                    continue;
+                }
+            }
+            near = near.saturating_sub(1);
+            let last = left <= phase.step;
+            let h = if last { left } else { phase.step };
             if last {
                 next = phase.a.exponential_of(h, &z);
             } else {
-                phase.ladder[0].apply(&z, &mut next);
+                phase.whole.after_into(&z, &mut next);
             }
-            let switch = self.switch_within(touching, &z, &next, h);
+            let to = self.free.approach(&self.delta, &next);
+            let switch = if !touching && stays_below(from, to, h) {
+                None
+            } else {
+                self.switch_within(touching, &z, &next, h)
+            };
+            from = to;
             let length = switch.unwrap_or(h);
             if let Some(t) = switch {
                 next = phase.a.exponential_of(t, &z);
+                from = self.free.approach(&self.delta, &next);
             }
             if touching && let Some(seen) = seen.as_deref_mut() {
                 let top = self.largest_force(&z, &next, length);
@@ -68,16 +91,15 @@ impl LinearMotion {
                 }
             }
             if let Some(path) = seen.as_deref_mut().and_then(|seen| seen.path.as_mut()) {
-                let mut middle = z.clone();
-                if last || switch.is_some() {
-                    middle = phase.a.exponential_of(0.5 * length, &z);
+                let middle = if last || switch.is_some() {
+                    phase.a.exponential_of(0.5 * length, &z)
                 } else {
-                    phase.half.apply(&z, &mut middle);
-                }
+                    phase.half.after(&z)
+                };
                 path.push(LinearLeg {
                     touching,
                     length,
-                    states: [z.clone(), middle, next.clone()],
+                    states: [middle, next.clone()],
                 });
             }
             let Some(t) = switch else {
@@ -206,6 +228,44 @@ impl LinearMotion {
         }
         Some(at)
     }
+}
+
+impl Phase {
+    /// Penetration and its rate at `z`, in the units of the state.
+    fn approach(&self, delta: &[f64], z: &[f64]) -> [f64; 2] {
+        [dot(delta, z), dot(&self.slopes.delta, z)]
+    }
+
+    /// Penetration and its rate [`LEAP`] base steps after `z`, where they are `from`, if the hammer stays off the surface until
+    /// then.
+    fn stays_below(&self, from: [f64; 2], z: &[f64]) -> Option<[f64; 2]> {
+        let mut ahead = [[0.0; 2]; LEAP];
+        for (x, column) in z.iter().zip(&self.ahead) {
+            for (sum, by) in ahead
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(column.as_flattened())
+            {
+                *sum += x * by;
+            }
+        }
+        let before = [from].into_iter().chain(ahead);
+        let mut pairs = before.zip(ahead);
+        pairs
+            .all(|(from, to)| stays_below(from, to, self.step))
+            .then_some(ahead[LEAP - 1])
+    }
+}
+
+/// Whether the hammer stays off the surface in a step of length `h`, given penetration and rate at both ends. Where it turns
+/// inside, a parabola would rise by an eighth of what is allowed for here.
+fn stays_below([from, rate]: [f64; 2], [to, end_rate]: [f64; 2], h: f64) -> bool {
+    let turn = if rate > 0.0 && end_rate < 0.0 {
+        h * (rate - end_rate)
+    } else {
+        0.0
+    };
+    from < 0.0 && to < 0.0 && from.max(to) + turn < 0.0
 }
 
 /// Whether what has this `slope` rises at the first of two states and falls at the second, or the other way where a least
