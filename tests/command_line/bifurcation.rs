@@ -37,6 +37,21 @@ fn a_doubling_is_where_orbits_has_it() {
     }
 }
 
+/// Carried down at 2.4 mm, the motion without contact gives way to one that does not repeat, in a strip narrower than the step,
+/// before it becomes a 1/1. (The row said from none to 1/1 at 1.597, where there is no 1/1: its fold is at 1.5914.)
+#[test]
+fn a_motion_between_two_frequencies_is_named() {
+    let found =
+        answer("bifurcation --gap 2.4 --direction down --ratio 1.2:2:0.02 --cart prescribed");
+    let changes = found["diagrams"][0]["changes"].as_array().expect("changes");
+    let from_none = changes.iter().filter(|change| change["above"] == "none");
+    for change in from_none {
+        let known = change["below"] != "1/1" || number(change, "frequency_ratio") < 1.5914;
+        assert!(known, "{change}");
+    }
+    assert!(changes.iter().any(|change| change["above"] == "none"));
+}
+
 /// What has not settled is not aperiodic, as `sweep` has it, and no regime changes there.
 #[test]
 fn a_run_too_short_to_settle_is_unsettled() {

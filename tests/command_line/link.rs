@@ -62,6 +62,12 @@ fn status_settings_and_forecast_of_the_real_controller() {
     // An emulated board has no button.
     beams.operator.acknowledge = false;
     assert_eq!(expected, shared::link::LinkAnswer::Settings(beams));
+
+    // The shaker that a rig file tells of is sent, too. (It was left out without a word.)
+    let folder = folder.with("own.toml", "preset = \"beam-150\"\nshaker_loop_hz = 40\n");
+    let ask = |rest: &str| folder.run(&board.line(rest));
+    ask("set --rig own.toml").well();
+    assert!(ask("get").well().out.contains("shaker_loop_hz = 40"));
 }
 
 #[test]

@@ -466,6 +466,14 @@ mod tests {
         assert!(complaint(file("mass_kg = ")).contains("line 1"));
         assert!(complaint(file("mass_kg = 1\n= 2")).contains("line 2"));
         assert!(complaint(file("mass_kg = 0.3")).contains("missing"));
+        // A contact is not the built-in rigs' because a line of it is missing. (It was, without a word.)
+        let whole = lines(&shared::model::params::WIRES);
+        for key in ["contact_stiffness_n_per_m", "contact_damping_n_s_per_m"] {
+            let without = whole.lines().filter(|line| !line.starts_with(key));
+            let text: Vec<_> = without.collect();
+            let line = complaint(file(&text.join("\n")));
+            assert!(line.contains(&format!("{key} is missing")), "{line}");
+        }
         assert!(complaint(file("preset = \"wires\"\nmass_kg = \"x\"")).contains("mine.toml"));
         assert!(complaint(file("preset = \"wires\"\ngap = 1")).contains("'gap_mm'"));
         // The line is that of the key, not of another whose name the words contain.

@@ -44,7 +44,9 @@ pub(super) fn overlay(base: &mut RigTable, changes: RigTable) -> Result<(), NoRi
                 format!("contact_law is '{law}', must be one of {names}"),
             )
         })?;
-        if base.get("contact_law").and_then(Value::as_str) != Some(law) {
+        // A file without a preset must give the law's numbers itself.
+        let before = base.get("contact_law").and_then(Value::as_str);
+        if before.is_some_and(|before| before != law) {
             base.retain(|key, _| !key.starts_with("contact_"));
             let with = to_table(&of_contact(&kind.preset())).into_iter();
             base.extend(with.filter(|(key, _)| key.starts_with("contact_")));

@@ -201,10 +201,16 @@ const APERIODIC: Regime = Regime::Aperiodic { impacts: 0 };
 
 /// What lies between two motions; none if they have the same name, or if one of them is not known.
 fn between(a: &Station, b: &Station) -> Option<ChangeKind> {
-    if a.row.failed || b.row.failed || label(a) == label(b) {
+    if a.row.failed || b.row.failed {
         return None;
     }
-    let (a, b) = (label(a), label(b));
+    between_labels(label(a), label(b))
+}
+
+fn between_labels(a: Regime, b: Regime) -> Option<ChangeKind> {
+    if a == b {
+        return None;
+    }
     Some(match (a.periods(), b.periods()) {
         _ if a == Regime::None => ChangeKind::ContactBegins,
         _ if b == Regime::None => ChangeKind::ContactEnds,
@@ -256,15 +262,16 @@ fn moved(a: &Station, b: &Station) -> Option<f64> {
 }
 
 /// Narrows the lasting changes of a diagram down by halving the interval between the two frequencies, each run
-/// beginning where the frequency on the side one comes from began.
+/// beginning where the frequency on the side one comes from began. Where that finds a third motion beside the change, the change is
+/// from or to that one.
 pub fn locate(
     diagram: &mut BifurcationDiagram,
     run: &impl Fn(&[Cell]) -> Result<Vec<Option<CellOutcome>>, Error>,
 ) -> Result<(), Error> {
     let down = diagram.direction == crate::sweep::Direction::Down;
     let natural = diagram.params.natural_frequency_hz();
-    // Of each change: its interval, and the state to begin from.
-    let mut open: Vec<(usize, f64, f64, [f64; 2])> = Vec::new();
+    // Of each change: its interval, the state to begin from, and the motions at both ends of the interval.
+    let mut open: Vec<(usize, f64, f64, [f64; 2], [Regime; 2])> = Vec::new();
     for (i, change) in diagram.changes.iter().enumerate() {
         if change.lasting && change.kind != ChangeKind::Jump {
             let (a, b) = (
@@ -272,13 +279,14 @@ pub fn locate(
                 &diagram.stations[change.span.end],
             );
             let start = if down { a.start } else { b.start };
-            open.push((i, a.row.frequency_hz, b.row.frequency_hz, start));
+            let ends = [change.below, change.above];
+            open.push((i, a.row.frequency_hz, b.row.frequency_hz, start, ends));
         }
     }
     for _ in 0..HALVINGS {
         let cells: Vec<_> = open
             .iter()
-            .map(|(_, low, high, start)| Cell {
+            .map(|(_, low, high, start, _)| Cell {
                 params: diagram.params,
                 frequency_hz: 0.5 * (low + high),
                 start: *start,
@@ -286,7 +294,8 @@ pub fn locate(
             })
             .collect();
         let outcomes = run(&cells)?;
-        for ((i, low, high, _), (cell, outcome)) in open.iter_mut().zip(cells.iter().zip(outcomes))
+        for ((i, low, high, _, ends), (cell, outcome)) in
+            open.iter_mut().zip(cells.iter().zip(outcomes))
         {
             // A run that failed tells nothing: the change stays where it is.
             let Some(outcome) = outcome else {
@@ -298,15 +307,20 @@ pub fn locate(
             let above = label(&diagram.stations[change.span.end]) == label(&found);
             // Something else in between belongs to the side that does not repeat, or to what is come to.
             let is_below = below || (!above && (is_chaos(change.below) || down));
-            if is_below {
-                *low = cell.frequency_hz;
-            } else {
-                *high = cell.frequency_hz;
+            let side = usize::from(!is_below);
+            *[low, high][side] = cell.frequency_hz;
+            // What alternates beside a doubling has not settled.
+            if !found.row.unsettled {
+                ends[side] = label(&found);
             }
         }
     }
-    for (i, low, high, _) in open {
+    for (i, low, high, _, [below, above]) in open {
         let change = &mut diagram.changes[i];
+        if let Some(kind) = between_labels(below, above) {
+            (change.kind, change.below, change.above) = (kind, below, above);
+            change.branches = [below, above].map(Regime::periods);
+        }
         change.frequency_hz = 0.5 * (low + high);
         change.frequency_ratio = change.frequency_hz / natural;
         change.within_hz = 0.5 * (high - low);

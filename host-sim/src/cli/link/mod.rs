@@ -28,6 +28,7 @@ use files::made_from::MadeFrom;
 use files::read_text;
 use files::rigfile;
 use files::settings_file;
+use numerics::NamedRig;
 use show::line;
 use sweep::{Sweep, sweep};
 
@@ -341,7 +342,15 @@ fn settings(port: &mut Port) -> Result<Settings, UserError> {
 
 fn send_settings(port: &mut Port, hello: &Hello, set: &NewSettings) -> Result<(), UserError> {
     let mut new = match &set.rig {
-        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params).for_real(),
+        Some(name) => {
+            // A file's shaker is the machine's; that of a built-in rig is assumed.
+            let rig = rigfile::load(name, &[])?;
+            let rig = match NamedRig::preset(name) {
+                Ok(_) => rig,
+                Err(_) => rig.recoiling().unwrap_or(rig),
+            };
+            Settings::for_rig(&rig.params).for_real()
+        }
         None => settings(port)?,
     };
     if set.rig.is_some() && hello.board == "emulator" {

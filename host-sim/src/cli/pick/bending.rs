@@ -83,7 +83,7 @@ pub fn lines(a: &PickAnswer) -> Vec<(&'static str, String)> {
         b.modes_rigs_one_one,
     ) {
         force += &format!(
-            "; {low:.2} to {high:.2} over the uncertainty and {percent} % of the springs' mass ({one_one} of {rigs} rigs have a stable 1/1)"
+            "; {low:.2} to {high:.2} times over the uncertainty and {percent} % of the springs' mass ({one_one} of {rigs} rigs have a stable 1/1)"
         );
     }
     let limit = a.limits.iter().find(|limit| limit.name == "max_force_n");

@@ -119,7 +119,7 @@ pub fn force(a: &PickAnswer) -> String {
     );
     match a.uncertainty {
         Some(_) => format!(
-            "{nominal}; {:.ratio$} to {:.ratio$} over the uncertainty",
+            "{nominal}; {:.ratio$} to {:.ratio$} times over the uncertainty",
             a.force_ratio_worst, a.force_ratio_largest
         ),
         None => nominal,
