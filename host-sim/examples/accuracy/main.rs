@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 const INTRODUCTION: &str = "\
-# How accurate the simulation is
+# How accurate the microcontroller's model is
 
 How far is the microcontroller's model from the exact solution, and which stepper and tick should you use?
 *`cargo run --release -p host-sim --example accuracy` writes this page.*

@@ -53,6 +53,7 @@ chapter's cart and writes this page (`out/chapter.md`, with CSV and JSON):
 
     host-sim chapter
 
+\"Same\": the words hold, to the digits that the chapter gives.
 \"Cannot be told\": the statement needs the chapter's measurements, which are not public, or has no figure.
 
 {} statements: {} same, {} differ, {} cannot be told.
