@@ -270,62 +270,78 @@ pub fn locate(
 ) -> Result<(), Error> {
     let down = diagram.direction == crate::sweep::Direction::Down;
     let natural = diagram.params.natural_frequency_hz();
-    // Of each change: its interval, the state to begin from, and the motions at both ends of the interval.
-    let mut open: Vec<(usize, f64, f64, [f64; 2], [Regime; 2])> = Vec::new();
+    let mut open: Vec<OpenChange> = Vec::new();
     for (i, change) in diagram.changes.iter().enumerate() {
         if change.lasting && change.kind != ChangeKind::Jump {
             let (a, b) = (
                 &diagram.stations[change.span.start],
                 &diagram.stations[change.span.end],
             );
-            let start = if down { a.start } else { b.start };
-            let ends = [change.below, change.above];
-            open.push((i, a.row.frequency_hz, b.row.frequency_hz, start, ends));
+            open.push(OpenChange {
+                index: i,
+                hz: [a.row.frequency_hz, b.row.frequency_hz],
+                start: if down { a.start } else { b.start },
+                motions: [change.below, change.above],
+            });
         }
     }
     for _ in 0..HALVINGS {
-        let cells: Vec<_> = open
-            .iter()
-            .map(|(_, low, high, start, _)| Cell {
-                params: diagram.params,
-                frequency_hz: 0.5 * (low + high),
-                start: *start,
-                phase: 0.0,
-            })
-            .collect();
+        let cells = open.iter().map(|change| Cell {
+            params: diagram.params,
+            frequency_hz: change.middle_hz(),
+            start: change.start,
+            phase: 0.0,
+        });
+        let cells: Vec<_> = cells.collect();
         let outcomes = run(&cells)?;
-        for ((i, low, high, _, ends), (cell, outcome)) in
-            open.iter_mut().zip(cells.iter().zip(outcomes))
-        {
+        for (inside, (cell, outcome)) in open.iter_mut().zip(cells.iter().zip(outcomes)) {
             // A run that failed tells nothing: the change stays where it is.
             let Some(outcome) = outcome else {
                 continue;
             };
             let found = super::station("", cell, &outcome)?;
-            let change = &diagram.changes[*i];
+            let change = &diagram.changes[inside.index];
             let below = label(&diagram.stations[change.span.start]) == label(&found);
             let above = label(&diagram.stations[change.span.end]) == label(&found);
             // Something else in between belongs to the side that does not repeat, or to what is come to.
             let is_below = below || (!above && (is_chaos(change.below) || down));
             let side = usize::from(!is_below);
-            *[low, high][side] = cell.frequency_hz;
+            inside.hz[side] = cell.frequency_hz;
             // What alternates beside a doubling has not settled.
             if !found.row.unsettled {
-                ends[side] = label(&found);
+                inside.motions[side] = label(&found);
             }
         }
     }
-    for (i, low, high, _, [below, above]) in open {
-        let change = &mut diagram.changes[i];
+    for inside in open {
+        let change = &mut diagram.changes[inside.index];
+        let [below, above] = inside.motions;
         if let Some(kind) = between_labels(below, above) {
             (change.kind, change.below, change.above) = (kind, below, above);
-            change.branches = [below, above].map(Regime::periods);
+            change.branches = inside.motions.map(Regime::periods);
         }
-        change.frequency_hz = 0.5 * (low + high);
+        change.frequency_hz = inside.middle_hz();
         change.frequency_ratio = change.frequency_hz / natural;
-        change.within_hz = 0.5 * (high - low);
+        change.within_hz = 0.5 * (inside.hz[1] - inside.hz[0]);
     }
     Ok(())
+}
+
+/// A change that is being narrowed down.
+struct OpenChange {
+    /// Its place in the list of changes.
+    index: usize,
+    /// The interval it lies in, Hz, and the motions at both ends of it.
+    hz: [f64; 2],
+    motions: [Regime; 2],
+    /// The state to begin from.
+    start: [f64; 2],
+}
+
+impl OpenChange {
+    fn middle_hz(&self) -> f64 {
+        0.5 * (self.hz[0] + self.hz[1])
+    }
 }
 
 fn is_chaos(regime: Regime) -> bool {
