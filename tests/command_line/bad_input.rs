@@ -124,7 +124,7 @@ fn basins_and_gaps_that_cannot_be() {
         ("basins --ratio 2 --out a-file", "a-file is a file"),
         ("pick --gap 0:1", "FROM:TO:STEP"),
         ("pick --gap 0:70:70", "--gap: gap_mm is 70"),
-        ("pick --gap 0:3:0.0001", "at most 1000"),
+        ("pick --gap 0:3:0.0001", "more than 1000"),
         (
             "pick --gap 0 --gap 1 --all",
             "--all cannot be used with several gaps",
