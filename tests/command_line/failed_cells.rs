@@ -27,14 +27,14 @@ fn some_fail(command: &str, note: &str) {
 
 #[test]
 fn a_sweep_goes_on_behind_a_run_that_fails() {
-    some_fail("sweep --ratio 0.8:4:0.2", "their rows say failed");
+    some_fail("sweep --ratio 0.8:4:0.2", "their rows give the reason");
 }
 
 #[test]
 fn a_diagram_goes_on_behind_a_run_that_fails() {
     some_fail(
         "bifurcation --ratio 3.4:4:0.2 --direction all",
-        "their rows say failed",
+        "their rows give the reason",
     );
 }
 

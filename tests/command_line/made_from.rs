@@ -165,7 +165,7 @@ fn what_is_no_answer_of_this_program_stays_where_it_is() {
         [
             (
                 "pick --nominal --report mine.html",
-                "mine.html: what is there is no report",
+                "mine.html: the file there is no report",
             ),
             (
                 "figures --coarse --only 3.6 --out .",

@@ -147,19 +147,19 @@ fn what_makes_no_sense_is_refused() {
         ("pick --over mass_kg=0.3,-1", "--over mass_kg"),
         (
             "pick --over mass_kg=1.0,2 --set mass_kg=3",
-            "--set mass_kg and --over mass_kg both say",
+            "--set mass_kg and --over mass_kg both set it",
         ),
         (
             "pick --over gap_mm=0.0,1 --gap 2",
-            "--gap and --over gap_mm both say",
+            "--gap and --over gap_mm both set it",
         ),
         (
             "sweep --ratio 2 --over gap_mm=0.0,1 --gap 2",
-            "--gap and --over gap_mm both say",
+            "--gap and --over gap_mm both set it",
         ),
         (
             "sweep --ratio 2 --over gap_mm=0.0,1 --set gap_mm=2",
-            "--set gap_mm and --over gap_mm both say",
+            "--set gap_mm and --over gap_mm both set it",
         ),
     ];
     assert_refused(&folder, lines);

@@ -28,7 +28,7 @@ fn few_points_do_not_make_a_motion_aperiodic() {
     assert_eq!(answer(line)["regime"], "unsettled");
     let told = Folder::new().run(line).well().out;
     assert!(
-        told.contains("unsettled: it has not come to repeat in the 5 drive periods recorded"),
+        told.contains("unsettled: it does not repeat in the 5 drive periods recorded"),
         "{told}"
     );
 }
