@@ -34,7 +34,7 @@ fn a_sweep_goes_on_behind_a_run_that_fails() {
 fn a_diagram_goes_on_behind_a_run_that_fails() {
     some_fail(
         "bifurcation --ratio 3.4:4:0.2 --direction all",
-        "their rows give the reason",
+        "their rows say failed",
     );
 }
 
