@@ -1,7 +1,9 @@
 //! What a run shows: regime, force, displacement, and the energy in each mode.
 
+use std::f64::consts::TAU;
+
 use serde::Serialize;
-use shared::model::contacts::Period;
+use shared::model::contacts::{Contact, Period};
 use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 
@@ -86,9 +88,6 @@ pub(super) fn watched(
     frequency_hz: f64,
     cycles: Cycles,
 ) -> Result<ModalObservation, Error> {
-    let amplitude = rig.amplitude_m;
-    let omega = std::f64::consts::TAU * frequency_hz;
-    let mut detector = Detector::new(amplitude, amplitude * omega);
     let lost = |state: &ModalState| -> Result<(), Error> {
         if state.tip().abs() < 1.0 {
             return Ok(());
@@ -98,70 +97,92 @@ pub(super) fn watched(
     hammer.skip(cycles.transient);
     let start = hammer.state();
     lost(&start)?;
-    detector.push(start.tip(), start.tip_rate(), &Period::default());
-    let mut sampler = ModesSampler::new(rig.clone(), omega, start);
-    let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
+    let mut sampler = ModesSampler::new(rig.clone(), frequency_hz, &start);
     for _ in cycles.transient..cycles.cycles {
         let mut work = 0.0;
         let period = hammer.run_period(|state, cart_m| sampler.see(state, cart_m), |w| work += w);
-        sampler.contact_work += work;
+        sampler.worked(work);
         let state = hammer.state();
         lost(&state)?;
-        sampler.last.0 = 0.0;
-        detector.push(state.tip(), state.tip_rate(), &period);
-        section_m.push(state.tip());
-        force_n = force_n.max(period.peak_force);
+        sampler.close(&state, &period);
     }
-    let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
-    Ok(ModalObservation {
-        regime: detector.regime(),
-        force_n,
-        approach_m_per_s: hammer
-            .take_strongest()
-            .map(|contact| contact.approach_speed),
-        reach_m: sampler.reach,
-        section_m,
-        energy_j: sampler.energy.map(|e| e / time),
-        loss_w: sampler.loss.map(|e| e / time),
-        contact_loss_w: sampler.contact_work / time,
-    })
+    Ok(sampler.observation(hammer.take_strongest()))
 }
 
 /// Follows a run at the ends and middles of its steps; integrals by the trapezoidal rule.
 pub(super) struct ModesSampler {
     rig: ModalRig,
-    pub(super) omega: f64,
-    pub(super) reach: [f64; 2],
-    pub(super) energy: PerMode,
-    pub(super) loss: PerMode,
-    pub(super) contact_work: f64,
+    pub(super) frequency_hz: f64,
+    detector: Detector<f64>,
     /// Time, energies and losses last seen.
-    pub(super) last: (f64, PerMode, PerMode),
+    last: (f64, PerMode, PerMode),
+    /// What was seen: of energies, losses and the contact's, the integrals over time.
+    seen: ModalObservation,
 }
 
 impl ModesSampler {
-    pub(super) fn new(rig: ModalRig, omega: f64, state: ModalState) -> Self {
-        let last = (0.0, rig.energies(&state), rig.losses(&state));
+    /// For a run that is watched from `state`, at drive phase 0, on.
+    pub(super) fn new(rig: ModalRig, frequency_hz: f64, state: &ModalState) -> Self {
+        let amplitude = rig.amplitude_m;
+        let mut detector = Detector::new(amplitude, amplitude * (TAU * frequency_hz));
+        detector.push(state.tip(), state.tip_rate(), &Period::default());
+        let last = (0.0, rig.energies(state), rig.losses(state));
+        let seen = ModalObservation {
+            regime: Regime::None,
+            force_n: 0.0,
+            approach_m_per_s: None,
+            reach_m: [f64::INFINITY, f64::NEG_INFINITY],
+            section_m: Vec::new(),
+            energy_j: PerMode::default(),
+            loss_w: PerMode::default(),
+            contact_loss_w: 0.0,
+        };
         Self {
             rig,
-            omega,
-            reach: [f64::INFINITY, f64::NEG_INFINITY],
-            energy: PerMode::default(),
-            loss: PerMode::default(),
-            contact_work: 0.0,
+            frequency_hz,
+            detector,
             last,
+            seen,
+        }
+    }
+
+    /// The surface took `work`, J.
+    pub(super) fn worked(&mut self, work: f64) {
+        self.seen.contact_loss_w += work;
+    }
+
+    /// A drive period has ended at `state`.
+    pub(super) fn close(&mut self, state: &ModalState, period: &Period<f64>) {
+        self.last.0 = 0.0;
+        self.detector.push(state.tip(), state.tip_rate(), period);
+        self.seen.section_m.push(state.tip());
+        self.seen.force_n = self.seen.force_n.max(period.peak_force);
+    }
+
+    /// What the periods showed, the `strongest` contact among it.
+    pub(super) fn observation(self, strongest: Option<Contact<f64>>) -> ModalObservation {
+        let time = self.seen.section_m.len() as f64 / self.frequency_hz;
+        ModalObservation {
+            regime: self.detector.regime(),
+            approach_m_per_s: strongest.map(|contact| contact.approach_speed),
+            energy_j: self.seen.energy_j.map(|e| e / time),
+            loss_w: self.seen.loss_w.map(|e| e / time),
+            contact_loss_w: self.seen.contact_loss_w / time,
+            ..self.seen
         }
     }
 
     /// The hammer at `state`, its cart `cart_m` off its course.
     pub(super) fn see(&mut self, state: &ModalState, cart_m: f64) {
-        let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin() + cart_m;
-        self.reach = [self.reach[0].min(x), self.reach[1].max(x)];
+        let x =
+            state.tip() + self.rig.amplitude_m * (TAU * self.frequency_hz * state.t).sin() + cart_m;
+        let [least, most] = self.seen.reach_m;
+        self.seen.reach_m = [least.min(x), most.max(x)];
         let (energies, losses) = (self.rig.energies(state), self.rig.losses(state));
         let half = 0.5 * (state.t - self.last.0);
         for i in 0..MAX_MODES {
-            self.energy[i] += half * (energies[i] + self.last.1[i]);
-            self.loss[i] += half * (losses[i] + self.last.2[i]);
+            self.seen.energy_j[i] += half * (energies[i] + self.last.1[i]);
+            self.seen.loss_w[i] += half * (losses[i] + self.last.2[i]);
         }
         self.last = (state.t, energies, losses);
     }

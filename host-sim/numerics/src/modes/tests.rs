@@ -1,8 +1,6 @@
 use std::f64::consts::TAU;
 
-use shared::model::contacts::Period;
 use shared::model::params::{BEAM_135, BEAM_150, BEAM_170, WIRES};
-use shared::model::regime::Detector;
 
 mod contact;
 mod flight;
@@ -63,7 +61,7 @@ impl ModalRig {
 impl ModesWatch for ModesSampler {
     fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
         // Fine enough for a 900 Hz mode at 4 Hz drive, and for the extremes of the displacement to some 1e-4 of them.
-        let every = TAU / self.omega / 512.0;
+        let every = 1.0 / self.frequency_hz / 512.0;
         let first = (from / every).floor() + 1.0;
         let inside = (to / every - first).ceil().max(0.0) as usize;
         let within = (0..inside).map(|k| (first + k as f64) * every);
@@ -74,44 +72,23 @@ impl ModesWatch for ModesSampler {
 
     fn contact(&mut self, end: &ModalState, totals: &FlowTotals) {
         self.see(end, 0.0);
-        self.contact_work += totals.contact_work;
+        self.worked(totals.contact_work);
     }
 }
 
 /// What the engine of the tests, with closed-form flights and integrated contacts, shows of a run from rest.
 pub(super) fn observed(rig: ModalRig, frequency_hz: f64, cycles: Cycles) -> ModalObservation {
-    let omega = TAU * frequency_hz;
     let mut hammer = Hammer::at_rest(rig.clone(), frequency_hz);
     for _ in 0..cycles.transient {
         hammer.run_period(&mut ());
     }
     hammer.take_strongest();
-    let start = *hammer.state();
-    let mut detector = Detector::new(rig.amplitude_m, rig.amplitude_m * omega);
-    detector.push(start.tip(), start.tip_rate(), &Period::default());
-    let mut sampler = ModesSampler::new(rig, omega, start);
-    let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
+    let mut sampler = ModesSampler::new(rig, frequency_hz, hammer.state());
     for _ in cycles.transient..cycles.cycles {
         let period = hammer.run_period(&mut sampler);
-        sampler.last.0 = 0.0;
-        let state = hammer.state();
-        detector.push(state.tip(), state.tip_rate(), &period);
-        section_m.push(state.tip());
-        force_n = force_n.max(period.peak_force);
+        sampler.close(hammer.state(), &period);
     }
-    let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
-    ModalObservation {
-        regime: detector.regime(),
-        force_n,
-        approach_m_per_s: hammer
-            .take_strongest()
-            .map(|contact| contact.approach_speed),
-        reach_m: sampler.reach,
-        section_m,
-        energy_j: sampler.energy.map(|e| e / time),
-        loss_w: sampler.loss.map(|e| e / time),
-        contact_loss_w: sampler.contact_work / time,
-    }
+    sampler.observation(hammer.take_strongest())
 }
 
 /// The chapter's rig whose one mode is the first of `rig`: its mass is the modal mass, its cart moves by what the mode
