@@ -183,6 +183,10 @@ impl Controller {
             .set_levels(&self.settings.trips, &doubt, peak_over_two, rest, shift_m);
         self.sense.set_zero_shift(shift_m);
         let by_hand = self.life.phase.is_manual();
+        let doubt = Doubt {
+            force: doubt.force * self.sense.ringing().limit_doubt(),
+            ..doubt
+        };
         self.trim.set_limits(&self.settings.limits, &doubt, by_hand);
     }
 

@@ -53,6 +53,14 @@ const LOUD: f32 = 1.7;
 const LOUD_OF_PEAK: f32 = 2.5e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
+/// And of a limit, where the ringing is lost in the noise or dies before it is seen: such a peak may be so much above its reading.
+const HIDDEN: f32 = 1.15;
+/// The tail's first samples over the peak (squares) below which a surface does not ring.
+const SILENT: f32 = 1e-4;
+/// What the ringing found leaves of the first samples, over what it leaves of the last (squares), from which on it is not the only one.
+const ANOTHER: f32 = 1.5;
+/// The correlation of each sample that is left with the next, above which it is no noise behind the filter, of which it is a half.
+const ALIKE: f32 = 0.7;
 /// And as far as what was found is believed.
 const BELIEVED: (f32, f32) = (0.7, 1.4);
 /// Share of the correlation's squares that a decaying sine may leave over.
@@ -69,28 +77,38 @@ struct Shape {
     to_peak: f32,
     /// From the first sample to the first of the ringing alone.
     tail: usize,
+    /// Share of the largest force that the filter hides, per N of it: the harder the blow, the sooner its largest force.
+    filtered_per_n: f32,
 }
 
 impl Shape {
     /// Of the rig's contact at the speed of a strong 1/1; none if it lasts too long for the ringing to be seen after it.
     fn of(rig: &RigParams, tick_s: f32) -> Option<Self> {
-        const STEP: f32 = 0.2;
+        const STEP: f32 = 0.05;
         let law: Law<f32> = rig.contact.cast();
         let (mass_kg, h) = (rig.mass_kg as f32, STEP * tick_s);
         let approach = strong_speed_m_per_s(rig) as f32;
         let (mut depth_m, mut rate) = (0.0, approach);
         let (mut largest_n, mut to_peak) = (0.0, 0.0);
+        let (mut shown_n, mut shown_rate, mut most_n) = (0.0, 0.0, 0.0_f32);
         let longest = ((LENGTH - TAIL) as f32 - MARGIN) / STEP;
         for step in 0..longest as usize {
             let force_n = law.force(depth_m, rate, approach);
             if force_n > largest_n {
                 (largest_n, to_peak) = (force_n, STEP * step as f32);
             }
+            shown_rate += STEP * CORNER * (CORNER * (force_n - shown_n) - SQRT_2 * shown_rate);
+            shown_n += STEP * shown_rate;
+            most_n = most_n.max(shown_n);
             rate -= h * force_n / mass_kg;
             depth_m += h * rate;
             if rate < 0.0 && law.force(depth_m, rate, approach) <= 0.0 {
                 let tail = (STEP * step as f32 + MARGIN) as usize + 1;
-                return Some(Self { to_peak, tail });
+                return Some(Self {
+                    to_peak,
+                    tail,
+                    filtered_per_n: (1.0 / most_n - 1.0 / largest_n).max(0.0),
+                });
             }
         }
         None
@@ -103,12 +121,15 @@ struct Learnt {
     correlation: [f32; LAGS],
     /// Squares of the tail's first samples, of its last, and of as many peaks.
     squares: [f32; 3],
+    /// What the ringing leaves of the squares of the first, of the last and of all, and of the products of each with the next.
+    left: [f32; 4],
 }
 
 impl Learnt {
     const NOTHING: Self = Self {
         correlation: [0.0; LAGS],
         squares: [0.0; 3],
+        left: [0.0; 4],
     };
 
     fn add(&mut self, tail: &[f32; TAIL], peak_n: f32) {
@@ -130,6 +151,27 @@ impl Learnt {
     fn rings(&self) -> bool {
         let [first, last, peak] = self.squares;
         first > LOUD * last && first > LOUD_OF_PEAK * peak
+    }
+
+    /// Whether the tails are too quiet for a ringing that matters.
+    fn is_silent(&self) -> bool {
+        let [first, _, peak] = self.squares;
+        first < SILENT * peak
+    }
+
+    /// Takes in what the ringing leaves of a tail; whether it explains them.
+    fn explains(&mut self, left: &[f32; TAIL]) -> bool {
+        let new = [
+            products(left, 0, 0, ENDS),
+            products(left, TAIL - ENDS, 0, ENDS),
+            products(left, 0, 0, TAIL - 1),
+            products(left, 0, 1, TAIL - 1),
+        ];
+        for (sum, new) in self.left.iter_mut().zip(new) {
+            *sum += new - *sum / RINGING_MEMORY;
+        }
+        let [first, last, all, next] = self.left;
+        (first < ANOTHER * last && next < ALIKE * all) || first < SILENT * self.squares[2]
     }
 
     /// Whether a contact rings otherwise, of whose tail `left` (mean square, over the peak's) is left without the ringing learnt.
@@ -159,6 +201,8 @@ pub struct Ringing {
     two_share: f32,
     /// Error of the last contact's peak by the noise, as a share of it.
     unsure: f32,
+    /// Share of the last contacts behind whose reading a ringing may hide.
+    hidden: f32,
     /// The contact under way as it is read, and without ringing, once known.
     reading: RingingContact,
     own: Option<RingingContact>,
@@ -185,8 +229,9 @@ impl RingingContact {
 impl Ringing {
     /// Of the rig's surface; nothing is known of it yet.
     pub fn new(settings: &Settings, tick_s: f32) -> Self {
+        let shape = Shape::of(&settings.rig, tick_s);
         Self {
-            shape: Shape::of(&settings.rig, tick_s),
+            shape,
             samples: [0.0; LENGTH],
             count: LENGTH,
             crossed_before: 0.0,
@@ -197,6 +242,7 @@ impl Ringing {
             found: RingingContact::NONE,
             two_share: 0.0,
             unsure: 0.0,
+            hidden: f32::from(u8::from(shape.is_some())),
             reading: RingingContact::NONE,
             own: None,
             open: false,
@@ -232,6 +278,11 @@ impl Ringing {
         } else {
             1.0
         }
+    }
+
+    /// How many times what it seems to be the peak is taken for by a limit, which no surface's ringing may hide.
+    pub fn limit_doubt(&self) -> f32 {
+        1.0 + (HIDDEN - 1.0) * self.hidden
     }
 
     /// Whether the peak of a single contact says something, and not only those of several.
@@ -319,14 +370,13 @@ impl Ringing {
         });
         self.learnt.add(&tail, read.peak_n);
         let rings = self.learnt.rings();
-        let mut found = read;
+        let (mut found, mut explained) = (read, false);
         self.unsure = 0.0;
         let fitted =
-            pole(&self.learnt.correlation).and_then(|pole| Some((pole, amplitude(&tail, pole)?)));
-        if let Some((pole, (amplitude, left))) = fitted {
-            // Of samples without noise, less than nothing may be left by rounding.
-            let left = left.max(0.0) * products(&tail, 0, 0, TAIL) / TAIL as f32;
-            let left = left / (read.peak_n * read.peak_n);
+            pole(&self.learnt.correlation).and_then(|pole| Some((pole, fit(&mut tail, pole)?)));
+        if let Some((pole, amplitude)) = fitted {
+            let left = products(&tail, 0, 0, TAIL) / (TAIL as f32 * read.peak_n * read.peak_n);
+            explained = self.learnt.explains(&tail);
             if self.learnt.is_contradicted(left) {
                 self.learnt = Learnt::NOTHING;
             }
@@ -336,9 +386,17 @@ impl Ringing {
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
             found = measure(&self.samples, length);
         }
-        if self.unsure > UNKNOWN || (fitted.is_none() && rings) {
+        found.peak_n *= 1.0 + shape.filtered_per_n * found.peak_n;
+        let unknown = self.unsure > UNKNOWN || (fitted.is_none() && rings);
+        // A peak that is taken for more because nothing is known needs no more.
+        let hidden = !(unknown || explained || self.learnt.is_silent());
+        self.hidden += (f32::from(u8::from(hidden)) - self.hidden) / MEMORY;
+        if unknown {
             // It rings, but how is not known.
-            found.peak_n = MOST * read.peak_n;
+            found = RingingContact {
+                peak_n: MOST * read.peak_n,
+                ..read
+            };
             self.unsure = 1.0;
         }
         let (least, most) = BELIEVED;
@@ -436,9 +494,8 @@ impl Shape {
     }
 }
 
-/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first, and the share of their
-/// squares that is left.
-fn amplitude(samples: &[f32; TAIL], pole: Complex<f32>) -> Option<(Complex<f32>, f32)> {
+/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first; it is taken out of them.
+fn fit(samples: &mut [f32; TAIL], pole: Complex<f32>) -> Option<Complex<f32>> {
     let step = exp(pole);
     let mut turned = Complex::new(1.0, 0.0);
     let mut rows = samples.iter().map(|sample| {
@@ -446,8 +503,14 @@ fn amplitude(samples: &[f32; TAIL], pole: Complex<f32>) -> Option<(Complex<f32>,
         turned *= step;
         (row, *sample)
     });
-    let (found, left) = least_squares(&mut rows)?;
-    Some((Complex::new(found.x, found.y), left))
+    let (found, _) = least_squares(&mut rows)?;
+    let amplitude = Complex::new(found.x, found.y);
+    let mut ringing = amplitude;
+    for sample in samples {
+        *sample -= ringing.re;
+        ringing *= step;
+    }
+    Some(amplitude)
 }
 
 /// The two weights with which the rows come closest to their values, and the share of the values' squares that is left.
