@@ -88,7 +88,7 @@ fn two_percent_of_noise_leave_the_truth_in_the_interval() {
 
 #[test]
 fn a_law_that_does_not_fit_is_refused_in_one_line() {
-    let folder = dropped("--noise-n 0.1 --impacts 3");
+    let folder = dropped("--noise-n 0.1 --impacts 2 --sampling-hz 20000");
     let line = "identify drop.csv --law hertz --misfit force --out o --quiet";
     assert_refused(&folder, [(line, "hertz does not fit: at least")]);
     let both = "identify drop.csv --law hertz --law spring-dashpot --misfit force";

@@ -197,12 +197,13 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
             "shaker enough      no, not at the rig's amplitude",
         ),
     ] {
+        let folder = Folder::new();
         let line = format!("pick --nominal --max-shaker-force-n {}", share * needed);
-        let a = answer(&line);
+        let text = folder.run(&line).well().out;
+        let a: Value = serde_json::from_str(&folder.read_made("out/", ".json")).unwrap();
         for key in ["operating_frequency_hz", "amplitude_mm", "force_n"] {
             assert_eq!(a[key], same[key], "{share}: {key}");
         }
-        let text = Folder::new().run(&line).well().out;
         assert!(text.contains(said), "{text}");
         // A lowered stroke is said first, and that the shaker decided it.
         let lowered =

@@ -1,6 +1,6 @@
-//! `cargo xtask test`: what must hold before a change is done. The desktop's half (the Python package last) and the other (the firmware,
-//! then the page) need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and
-//! a browser that waits keep one processor busy each. Within a half one step follows the other, and the first that fails ends it.
+//! `cargo xtask test`: what must hold before a change is done. The desktop's part (the Python package last), the firmware's, and that of
+//! page and site need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and
+//! a browser that waits keep one processor busy each. Within a part one step follows the other, and the first that fails ends it.
 
 use std::{
     env, fs,
@@ -25,17 +25,17 @@ type Step = (&'static str, fn() -> JobResult<String>);
 /// The part of the checks that is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CheckPart {
-    /// Both halves, side by side.
+    /// Every part, side by side.
     All,
     /// What needs no microcontroller.
     Host,
     /// What needs one, or QEMU.
     Firmware,
-    /// What runs beside the desktop's half: the firmware, then the page.
-    Beside,
+    /// What people read, and what needs a browser.
+    Pages,
 }
 
-/// The step before both halves: lists the tools that are there.
+/// The step before the parts: lists the tools that are there.
 const TOOLS: Step = ("tools", || silent(tools::list()));
 
 const HOST: &[Step] = &[
@@ -67,7 +67,6 @@ const HOST: &[Step] = &[
     }),
 ];
 
-/// What people read, and what needs a browser.
 const PAGES: &[Step] = &[
     ("site's pages and their links", || {
         silent(site::run(true).map(drop))
@@ -186,7 +185,7 @@ pub fn run(part: CheckPart) -> JobResult {
         CheckPart::All => side_by_side(),
         CheckPart::Host => steps(&[HOST, PYTHON, PAGES].concat()),
         CheckPart::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
-        CheckPart::Beside => steps(&[FIRMWARE, PAGES].concat()),
+        CheckPart::Pages => steps(PAGES),
     }
 }
 
@@ -217,55 +216,59 @@ fn steps(steps: &[Step]) -> JobResult {
     }
 }
 
-/// The half of firmware and page, run by this program once more, with its output in a file until the desktop's half has ended.
+/// A part run by this program once more, with its output in a file until the desktop's has ended.
 struct Beside {
+    part: &'static str,
     child: Child,
     log: PathBuf,
 }
 
 impl Beside {
-    fn start() -> JobResult<Self> {
-        let log = command::root().join("target/xtask-beside.log");
+    fn start(part: &'static str) -> JobResult<Self> {
+        let log = command::root().join(format!("target/xtask-{part}.log"));
         let file = File::create(&log)?;
         let mut command = Command::new(env::current_exe()?);
         command
-            .args(["test", "--beside"])
+            .args(["test", &format!("--{part}")])
             .stdin(Stdio::null())
             .stdout(file.try_clone()?)
             .stderr(file);
-        println!(
-            "\nfirmware and page run beside; their output is in {}",
-            log.display()
-        );
+        println!("\n{part} runs beside; its output is in {}", log.display());
         Ok(Self {
+            part,
             child: command.spawn()?,
             log,
         })
     }
 
     /// Waits for its end, and shows its output.
-    fn finish(mut self) -> JobResult {
-        println!("\nwaiting for firmware and page");
+    fn finish(&mut self) -> JobResult {
+        let part = self.part;
+        println!("\nwaiting for {part}");
         // It gives up its own steps.
         let status = self.child.wait()?;
-        println!("\n=== firmware and page ===");
+        println!("\n=== {part} ===");
         println!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
         if status.success() {
             Ok(())
         } else {
-            Err("the half of firmware and page failed; its output is above".into())
+            Err(format!("the part of {part} failed; its output is above").into())
         }
     }
 }
 
 fn side_by_side() -> JobResult {
     steps(&[TOOLS])?;
-    let mut beside = Beside::start()?;
-    if let Err(error) = steps(&[HOST, PYTHON].concat()) {
-        liveness::end(&mut beside.child);
-        return Err(error);
+    let mut beside = [Beside::start("firmware")?, Beside::start("pages")?];
+    let mut outcome = steps(&[HOST, PYTHON].concat());
+    for part in &mut beside {
+        if outcome.is_err() {
+            liveness::end(&mut part.child);
+        } else {
+            outcome = part.finish();
+        }
     }
-    beside.finish()
+    outcome
 }
 
 fn table(rows: &[Row]) -> String {

@@ -59,7 +59,7 @@ pub type JobResult<T = ()> = Result<T, Box<dyn std::error::Error>>;
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test [--host | --firmware]  everything that must hold before a change is done, or one half of it;
+  test [--host | --firmware]  everything that must hold before a change is done, or one part of it;
                               unpacks the tools it lacks on Debian, else says what to install
   tools                       get the tools that checks and builds need, and list them
   firmware [--board BOARD]    build the firmware; BOARD is a folder of firmware/src/hardware (default: every one)
@@ -137,7 +137,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["test", "--host"] => Ok(Job::Test(CheckPart::Host)),
         ["test", "--firmware"] => Ok(Job::Test(CheckPart::Firmware)),
         // For `test` itself.
-        ["test", "--beside"] => Ok(Job::Test(CheckPart::Beside)),
+        ["test", "--pages"] => Ok(Job::Test(CheckPart::Pages)),
         ["tools"] => Ok(Job::Tools),
         ["firmware"] => boards::all().map(Job::Firmware).map_err(|e| e.to_string()),
         ["firmware", "--board", name] => named(name).map(|board| Job::Firmware(vec![board])),
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn one_half_of_the_checks_can_be_chosen() {
+    fn one_part_of_the_checks_can_be_chosen() {
         assert_eq!(parse(&["test"]), Ok(Job::Test(CheckPart::All)));
         assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(CheckPart::Host)));
         assert_eq!(

@@ -59,11 +59,11 @@ fn the_force_limit_holds_on_the_way_down_to_a_set_point() {
         .for_each(|(rig, limit_n, (from_hz, to_hz))| {
             let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
             let far = by_hand() + &set_point(4.0, *from_hz, 0.89) + &set_point(20.0, *to_hz, 0.89);
-            let truth = truth_of(rig, 40.0, &(limits + &far));
+            let truth = truth_of(rig, 50.0, &(limits + &far));
             assert_eq!(faults(&truth), [], "{rig} {limit_n}");
             let down = &truth.forces_n[20..];
             let most = down.iter().fold(0.0_f64, |a, b| a.max(*b)) / limit_n;
-            let last = truth.forces_n[39] / limit_n;
+            let last = truth.forces_n[49] / limit_n;
             assert!(
                 most < 1.05,
                 "{rig} {limit_n}: {most} {:.0?}",

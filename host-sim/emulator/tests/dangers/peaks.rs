@@ -180,9 +180,10 @@ fn no_single_blow_above_its_trip_level_goes_by_without_a_trip() {
             (truth.force_n / trip_n, trips)
         })
         .collect();
-    // Two samples in a row trip. By the largest alone, a blow 5 % above the level was none.
+    // Two samples in a row trip. By the largest alone, a blow 5 % above the level was none. With 1 % noise a reading is up to 3 % high.
     for (share, trips) in &blows {
-        assert_eq!(*trips, *share > 1.0, "{share}");
+        let must = if *trips { 0.97 } else { 1.0 };
+        assert_eq!(*trips, *share > must, "{share}");
     }
     assert!(blows.iter().filter(|(_, trips)| *trips).count() > 30);
 }
