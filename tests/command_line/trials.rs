@@ -104,8 +104,8 @@ fn threads_do_not_change_a_byte_and_a_pipe_gets_nothing_but_the_answer() {
         ran.out
     };
     for line in [
-        "trials --count 2 --seconds 10 --seed 5 --rig beam-170 --format csv",
-        "trials --long --count 2 --seconds 10 --seed 5 --rig beam-135 --format json",
+        "trials --count 2 --seconds 20 --seed 5 --rig beam-170 --format csv",
+        "trials --long --count 2 --seconds 20 --seed 5 --rig beam-135 --format json",
     ] {
         assert_eq!(with("1", line), with("2", line), "{line}");
     }
