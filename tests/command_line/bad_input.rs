@@ -119,6 +119,7 @@ fn basins_and_gaps_that_cannot_be() {
             "inside the impact surface",
         ),
         ("basins --ratio 2 --recorded 301", "--recorded is 301"),
+        ("bifurcation --ratio 2:3:1 --cycles 0", "--cycles is 0"),
         ("basins --ratio 2 --until 5", "--until is 5"),
         ("basins --ratio 2 --samples 2000000", "at most 1000000"),
         ("basins --ratio 2 --out a-file", "a-file is a file"),

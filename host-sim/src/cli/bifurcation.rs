@@ -240,9 +240,13 @@ fn text(answer: &BifurcationAnswer, diagrams: &[BifurcationDiagram]) -> String {
         text.push('\n');
     }
     for t in &answer.twofold {
+        let place = match t.from_hz == t.to_hz {
+            true => format!("at {:.4}", t.from_hz),
+            false => format!("from {:.4} to {:.4}", t.from_hz, t.to_hz),
+        };
         text += &format!(
-            "gap {:?} mm: up and down differ from {:.4} to {:.4} Hz (up {}, down {})\n",
-            t.gap_mm, t.from_hz, t.to_hz, t.up, t.down
+            "gap {:?} mm: up and down differ {place} Hz (up {}, down {})\n",
+            t.gap_mm, t.up, t.down
         );
     }
     text

@@ -242,7 +242,9 @@ pub fn parse_whole(text: &str, place: &str) -> Result<(RigParams, Stated), UserE
         let line = line_at(text, e.span().map_or(0, |span| span.start));
         let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
         let mend = comma_at(text, line);
-        let mend = mend.unwrap_or_else(|| "a rig file has lines like mass_kg = 0.298".to_owned());
+        let mend = mend.unwrap_or_else(|| {
+            "a rig file has lines like mass_kg = 0.298, without units".to_owned()
+        });
         UserError::new(format!("{place}, line {line}: {what}; {mend}"))
     })?;
     let stated = uncertainty::stated(changes.remove("uncertainty"));

@@ -26,7 +26,8 @@ pub type RigTable = BTreeMap<String, Value>;
 pub(super) fn overlay(base: &mut RigTable, changes: RigTable) -> Result<(), NoRig> {
     for key in changes.keys() {
         if !KEYS.iter().any(|(k, _)| k == key) {
-            let hint = nearest(key, KEYS.iter().map(|(k, _)| *k));
+            let names = KEYS.iter().map(|(k, _)| *k);
+            let hint = nearest(key, names.chain(["uncertainty"]));
             let line = format!(
                 "there is no parameter '{key}'{hint}; `host-sim rigs wires` prints them all"
             );
@@ -265,6 +266,8 @@ pub fn as_number(value: &Value) -> Option<f64> {
 }
 
 fn missing(key: &str) -> NoRig {
-    let line = format!("{key} is missing; give it, or begin with preset = \"wires\"");
+    let line = format!(
+        "{key} is missing; give it, or begin with preset = and the name of the nearest rig (see: host-sim rigs)"
+    );
     NoRig::new(key, line)
 }

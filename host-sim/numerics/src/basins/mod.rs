@@ -16,7 +16,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, check_recorded};
 use crate::error::{BasinsError, Error, StartError};
 use crate::progress::Progress;
 use crate::range::within_samples;
@@ -99,10 +99,8 @@ impl BasinsRequest {
             }
             .into());
         }
-        let (recorded, cycles, until) = (self.recorded, self.cycles, self.until);
-        if recorded == 0 || recorded > cycles {
-            return Err(Error::Recorded { recorded, cycles });
-        }
+        let (cycles, until) = (self.cycles, self.until);
+        check_recorded(self.recorded, cycles)?;
         if until < cycles {
             return Err(BasinsError::Until { until, cycles }.into());
         }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, check_recorded};
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellOutcome, CellPlan, LaneStrobe};
 use crate::progress::{Progress, check, step};
@@ -117,15 +117,9 @@ impl DiagramRequest {
     /// Refuses what cannot be run, before any work.
     ///
     /// # Errors
-    /// If no cycle would be recorded, or more than are run.
+    /// As [`check_recorded`].
     pub fn check(&self) -> Result<(), Error> {
-        let CellPlan {
-            cycles, recorded, ..
-        } = self.plan;
-        if !(1..=cycles).contains(&recorded) {
-            return Err(Error::Recorded { recorded, cycles });
-        }
-        Ok(())
+        check_recorded(self.plan.recorded, self.plan.cycles)
     }
 
     /// Simulations in all, location apart.

@@ -174,6 +174,18 @@ impl Plan {
     }
 }
 
+/// Refuses runs of `cycles` of which not the last `recorded` can be recorded.
+///
+/// # Errors
+/// If either is 0, or more are recorded than are run.
+pub fn check_recorded(recorded: u32, cycles: u32) -> Result<(), Error> {
+    match recorded {
+        _ if cycles == 0 => Err(MapError::NoCycles.into()),
+        _ if (1..=cycles).contains(&recorded) => Ok(()),
+        _ => Err(Error::Recorded { recorded, cycles }),
+    }
+}
+
 /// What the recorded cycles of a run showed.
 #[derive(Clone, Debug)]
 pub struct Observation {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use shared::model::params::{RigParams, WIRES};
 
 use super::Grid;
-use crate::engine::{Setting, check_frequency};
+use crate::engine::{Setting, check_frequency, check_recorded};
 use crate::error::{Error, MapError};
 use crate::lanes::CellPlan;
 use crate::row::NamedRig;
@@ -108,15 +108,8 @@ impl MapRequest {
         for hz in &self.grid.frequencies_hz {
             check_frequency(*hz, &self.rig.params)?;
         }
-        let CellPlan {
-            cycles, recorded, ..
-        } = self.plan;
-        if cycles == 0 {
-            return Err(MapError::NoCycles.into());
-        }
-        if recorded == 0 || recorded > cycles {
-            return Err(Error::Recorded { recorded, cycles });
-        }
+        let cycles = self.plan.cycles;
+        check_recorded(self.plan.recorded, cycles)?;
         match self.settle {
             Some(settle) if settle <= cycles => Err(MapError::Settle { settle, cycles }.into()),
             _ => Ok(()),

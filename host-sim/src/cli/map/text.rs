@@ -50,8 +50,8 @@ pub fn text(answer: &MapAnswer, maps: &[Map]) -> String {
 fn one(request: &MapRequest, map: &Map, summary: &MapSummary) -> String {
     let MapRequest { plan, settle, .. } = request;
     let ends = |values: &[f64], unit: &str| match values {
-        [first, .., last] => format!("{first:?} to {last:?} {unit}"),
-        [one] => format!("{one:?} {unit}"),
+        [first, .., last] => format!("{:?} to {:?} {unit}", rounded(*first), rounded(*last)),
+        [one] => format!("{:?} {unit}", rounded(*one)),
         [] => String::new(),
     };
     let run_on = settle.is_none() && summary.unsettled > 0;
@@ -111,6 +111,11 @@ fn one(request: &MapRequest, map: &Map, summary: &MapSummary) -> String {
     text
 }
 
+/// To four decimals.
+fn rounded(x: f64) -> f64 {
+    (x * 1e4).round() / 1e4
+}
+
 fn is_one_one(cell: &StrongestCell) -> bool {
     matches!(cell.regime, Outcome::Regime(regime) if regime.is(1, 1))
 }
@@ -125,7 +130,11 @@ fn strongest_line(best: &StrongestCell, summary: &MapSummary) -> String {
     };
     format!(
         "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3})\n",
-        best.force_n, best.force_ratio, best.gap_mm, best.frequency_hz, best.frequency_ratio
+        best.force_n,
+        best.force_ratio,
+        best.gap_mm,
+        rounded(best.frequency_hz),
+        best.frequency_ratio
     )
 }
 
