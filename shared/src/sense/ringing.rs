@@ -43,6 +43,8 @@ const OTHERWISE: f32 = 1.7;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
 /// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
 const TWO_MEMORY: f32 = 512.0;
+/// How many times the errors of a peak, and of one taken as those before it, the two differ by if it is a blow of another kind.
+const OTHER: f32 = 4.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
 /// Samples at either end of the tail that are compared.
@@ -410,7 +412,12 @@ impl Ringing {
             mean.sum_n += weight * (new.sum_n - mean.sum_n);
         }
         let as_before_n = read.peak_n * self.peak_over_reading();
-        let own = UNSURE * UNSURE / (UNSURE * UNSURE + self.unsure * self.unsure);
+        let off = (found.peak_n / as_before_n - 1.0).abs();
+        let own = if off > OTHER * (UNSURE + self.unsure) {
+            1.0
+        } else {
+            UNSURE * UNSURE / (UNSURE * UNSURE + self.unsure * self.unsure)
+        };
         self.own = Some(RingingContact {
             peak_n: as_before_n + own * (found.peak_n - as_before_n),
             ..found

@@ -153,7 +153,7 @@ fn a_ringing_that_is_lost_in_the_noise_trips_nothing_and_passes_no_limit_by_much
 
 /// Something throws the hammer at the surface, once, in Hold: a blow above the level trips, whatever the surface rings like.
 #[test]
-fn a_single_blow_far_above_its_trip_level_does_not_go_by_without_a_trip() {
+fn no_single_blow_above_its_trip_level_goes_by_without_a_trip() {
     let rigs = [("wires", 90.0), ("beam-135", 330.0)];
     let ringing = [(1.0, 30.0), (3.0, 20.0), (3.0, 50.0), (5.0, 15.0)];
     let cases = rigs.iter().flat_map(|rig| {
@@ -180,14 +180,13 @@ fn a_single_blow_far_above_its_trip_level_does_not_go_by_without_a_trip() {
             (truth.force_n / trip_n, trips)
         })
         .collect();
-    // Two samples in a row trip. With 1 % noise a reading is up to 3 % high, and of a blow unlike those before it now and then up to 15 %
-    // low: as docs/controller.md says. By the largest sample alone, a blow 5 % above the level was none.
-    let (tripped, passed): (Vec<_>, Vec<_>) = blows.iter().partition(|(_, trips)| *trips);
-    assert!(tripped.len() > 30);
-    assert!(tripped.iter().all(|(share, _)| *share > 0.97), "{blows:?}");
-    let above: Vec<_> = passed.iter().filter(|(share, _)| *share > 1.0).collect();
-    assert!(above.len() < 2, "{above:?}");
-    assert!(above.iter().all(|(share, _)| *share < 1.15), "{above:?}");
+    // Two samples in a row trip. By the largest alone, a blow 5 % above the level was none; taken half as those before it, one of 15 %.
+    // With 1 % noise a reading is up to 3 % high.
+    for (share, trips) in &blows {
+        let must = if *trips { 0.97 } else { 1.0 };
+        assert_eq!(*trips, *share > must, "{share}");
+    }
+    assert!(blows.iter().filter(|(_, trips)| *trips).count() > 30);
 }
 
 /// What ringing may hide was reckoned with twice while it was not known: over-force at 65 to 75 % of the limit.
