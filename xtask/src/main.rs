@@ -121,8 +121,8 @@ enum Job {
     BenchTicks,
     Size,
     FirstAnswer(first_answer::FirstAnswerPlan),
-    /// Whether the check sums are written anew.
     Speed,
+    /// Whether the check sums are written anew.
     Golden(bool),
     Msrv,
     OldestRust,
