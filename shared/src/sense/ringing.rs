@@ -53,8 +53,8 @@ const LOUD: f32 = 1.7;
 const LOUD_OF_PEAK: f32 = 2.5e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
-/// And of a limit, where the ringing is lost in the noise or dies before it is seen: such a peak may be so much above its reading.
-const HIDDEN: f32 = 1.15;
+/// What a limit adds where the ringing is lost in the noise or dies before it is seen: such a peak may be so much above its reading.
+const HIDDEN: f32 = 0.15;
 /// The tail's first samples over the peak (squares) below which a surface does not ring.
 const SILENT: f32 = 1e-4;
 /// What the ringing found leaves of the first samples, over what it leaves of the last (squares), from which on it is not the only one.
@@ -197,8 +197,8 @@ pub struct Ringing {
     two_share: f32,
     /// Error of the last contact's peak by the noise, as a share of it.
     unsure: f32,
-    /// Share of the last contacts behind whose reading a ringing may hide.
-    hidden: f32,
+    /// What a limit adds to the last contacts' peaks, as a share of them.
+    doubted: f32,
     /// The contact under way as it is read, and without ringing, once known.
     reading: RingingContact,
     own: Option<RingingContact>,
@@ -238,7 +238,7 @@ impl Ringing {
             found: RingingContact::NONE,
             two_share: 0.0,
             unsure: 0.0,
-            hidden: f32::from(u8::from(shape.is_some())),
+            doubted: if shape.is_some() { HIDDEN } else { 0.0 },
             reading: RingingContact::NONE,
             own: None,
             open: false,
@@ -278,7 +278,7 @@ impl Ringing {
 
     /// How many times what it seems to be the peak is taken for by a limit, which no surface's ringing may hide.
     pub fn limit_doubt(&self) -> f32 {
-        1.0 + (HIDDEN - 1.0) * self.hidden
+        1.0 + self.doubted
     }
 
     /// Whether the peak of a single contact says something, and not only those of several.
@@ -384,9 +384,15 @@ impl Ringing {
         }
         found.peak_n *= 1.0 + shape.filtered_per_n * found.peak_n;
         let unknown = self.unsure > UNKNOWN || (fitted.is_none() && rings);
-        // A peak that is taken for more because nothing is known needs no more.
-        let hidden = !(unknown || explained || self.learnt.is_silent());
-        self.hidden += (f32::from(u8::from(hidden)) - self.hidden) / MEMORY;
+        let doubt = if unknown {
+            // Such a peak is taken for more already.
+            0.0
+        } else if explained || self.learnt.is_silent() {
+            self.unsure
+        } else {
+            HIDDEN
+        };
+        self.doubted += (doubt - self.doubted) / MEMORY;
         if unknown {
             // It rings, but how is not known.
             found = RingingContact {
