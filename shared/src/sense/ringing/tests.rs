@@ -132,15 +132,18 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
 /// higher than it is, hardly lower.
 #[test]
 fn a_ringing_that_is_lost_in_the_noise_hides_little_of_the_peak() {
-    for (noise, decay_s, believed) in [
-        (0.01, 5e-4, 0.972..1.2),
-        (0.01, 3e-4, 0.9..1.3),
-        (0.02, 1e-3, 0.972..1.05),
+    for (noise, decay_s, believed, least_limited) in [
+        (0.01, 5e-4, 0.972..1.2, 1.0),
+        (0.01, 3e-4, 0.9..1.3, 0.985),
+        (0.02, 1e-3, 0.972..1.05, 1.0),
     ] {
         for hz in [1e3, 2e3, 3e3, 5e3] {
             for share in [0.05, 0.1, 0.2, 0.3, 0.5] {
                 let (peak, _, limited) = found([hz, share, 0.0], decay_s, noise);
-                assert!(limited > 0.97, "{noise} {decay_s} {hz} {share}: {limited}");
+                assert!(
+                    limited > least_limited,
+                    "{noise} {decay_s} {hz} {share}: {limited}"
+                );
                 assert!(
                     believed.contains(&peak),
                     "{noise} {decay_s} {hz} {share}: {peak}"
