@@ -12,6 +12,7 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use crate::words::compare::WordedComparison;
+use crate::words::number;
 use files::UserError;
 use numerics::CartModel;
 use numerics::NamedRig;
@@ -173,12 +174,11 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
 fn table(e: &ComparisonErrors) -> String {
     let mut text = String::from("                               measured    simulated\n");
     let mut line = |what: &str, measured: Option<f64>, simulated: Option<f64>, digits: usize| {
-        let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
         if measured.is_some() {
             text += &format!(
                 "  {what:<27} {:>9} {:>12}\n",
-                cell(measured),
-                cell(simulated)
+                number(measured, digits),
+                number(simulated, digits)
             );
         }
     };

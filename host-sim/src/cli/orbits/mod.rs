@@ -12,6 +12,7 @@ use crate::cli::arguments::range::rising;
 use crate::cli::arguments::rig::{CartArg, RigName, at_gap, parse_gap};
 use crate::pictures;
 use crate::progress::ProgressLine;
+use crate::words::number;
 use files::UserError;
 use files::decimal::hint;
 use numerics::NamedRig;
@@ -300,7 +301,6 @@ fn branch_line(branch: &BranchRow) -> String {
     } else {
         stable.join(", ")
     };
-    let force = branch.largest_stable_force_ratio;
     let from = branch.doubled_from.as_ref();
     let ends = match from {
         Some(from) => format!("doubled {from} | {}", end_words(branch.ends[1])),
@@ -316,7 +316,7 @@ fn branch_line(branch: &BranchRow) -> String {
         branch.orbits,
         range(branch.range),
         stable,
-        force.map_or("-".to_owned(), |f| format!("{f:.3}")),
+        number(branch.largest_stable_force_ratio, 3),
         ends
     )
 }

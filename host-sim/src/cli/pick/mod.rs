@@ -196,7 +196,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: PickLimits) -> Result<
             "{option} cannot be used with --objective rop, which computes beams with one bending mode"
         )));
     }
-    let rig = load(args, output, args.rig.name.name(), &[])?;
+    let rig = rig_of(args, output, args.rig.name.name(), &[])?;
     output.doubt(&rig);
     let uncertainty = args.uncertainty.of(&rig)?;
     let asked = args.ground.asked();
@@ -268,10 +268,10 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
     if args.all {
         let names = PRESETS.iter();
         return names
-            .map(|(name, _)| load(args, output, name, &[]))
+            .map(|(name, _)| rig_of(args, output, name, &[]))
             .collect();
     }
-    let mut rigs = vec![load(args, output, args.rig.name.name(), &[])?];
+    let mut rigs = vec![rig_of(args, output, args.rig.name.name(), &[])?];
     for beside in &args.beside {
         // mass_kg=1,7: the 7 is no setting of its own.
         if let Some(write) = comma(beside) {
@@ -280,42 +280,46 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
         let mut parts = beside.split(',');
         let name = parts.next().unwrap_or_default().trim();
         let settings: Vec<String> = parts.map(str::to_owned).collect();
-        let rig = load(args, output, name, &settings);
+        let rig = rig_of(args, output, name, &settings);
         rigs.push(rig.map_err(|error| error.at_setting(format!("--beside {beside}")))?);
     }
     Ok(rigs)
 }
 
-/// The rig `name` with `settings` besides those of the command line, at a gap of 0 unless one of them sets one.
-fn load(
+/// A rig of the pick. If nothing sets its gap, the pick is at 0.0 mm, and a note says so where the rig has another.
+fn rig_of(
     args: &Args,
     output: &OutputArgs,
     name: &str,
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
-    let rig_args = args.rig.at_one();
-    let loaded = rig_args.load_with(name, settings)?;
-    let mut rig = args.cart.apply(loaded)?;
-    let gap_set = settings
-        .iter()
-        .any(|setting| setting.trim_start().starts_with("gap_mm"));
-    if !rig_args.sets_gap() && !gap_set {
-        default_to_zero_gap(&mut rig, output);
+    let (rig, own_gap_m) = load(args, name, settings)?;
+    if let Some(gap_m) = own_gap_m {
+        output.note(&format!(
+            "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (set --gap to keep it)",
+            rig.name,
+            numerics::row::tidy(gap_m * 1e3)
+        ));
     }
     Ok(rig)
 }
 
-/// Sets the gap to 0.0 mm, at which the hammer is used in the field, and says so if the rig had another one.
-fn default_to_zero_gap(rig: &mut NamedRig, output: &OutputArgs) {
-    if rig.params.gap_m == 0.0 {
-        return;
-    }
-    output.note(&format!(
-        "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (set --gap to keep it)",
-        rig.name,
-        numerics::row::tidy(rig.params.gap_m * 1e3)
-    ));
-    rig.params.gap_m = 0.0;
+/// A rig of the pick; and the gap of its own, if it has one that is replaced by 0.0 mm.
+fn load(
+    args: &Args,
+    name: &str,
+    settings: &[String],
+) -> Result<(NamedRig, Option<f64>), UserError> {
+    let rig_args = args.rig.at_one();
+    let mut rig = args.cart.apply(rig_args.load_with(name, settings)?)?;
+    let keeps = rig_args.sets_gap()
+        || args.over.iter().any(|over| over.key == "gap_mm")
+        || settings
+            .iter()
+            .any(|s| s.trim_start().starts_with("gap_mm"));
+    let replaced = !keeps && rig.params.gap_m != 0.0;
+    let own_gap_m = replaced.then(|| std::mem::take(&mut rig.params.gap_m));
+    Ok((rig, own_gap_m))
 }
 
 fn limits(args: &Args) -> Result<PickLimits, UserError> {
