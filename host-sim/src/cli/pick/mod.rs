@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
-use super::arguments::choice::{Objective, choice};
+use super::arguments::choice::Objective;
 use super::arguments::ground::GroundArgs;
-use super::arguments::output::{OutputArgs, replaced, to_json};
+use super::arguments::output::{OutputArgs, no_json, replaced, to_json};
 use super::arguments::over::{OverOption, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigAtGaps};
@@ -70,7 +70,7 @@ pub struct Args {
     over: Option<OverOption>,
 
     /// Quantity to maximise
-    #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
+    #[arg(long, value_enum, default_value = "force")]
     objective: Objective,
 
     /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker's
@@ -351,5 +351,5 @@ fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
             serde_json::to_value(worded.collect::<Vec<_>>())
         }
     };
-    value.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
+    value.map_err(no_json)
 }

@@ -1,7 +1,7 @@
 //! `pick --over`: how the operating point moves over a parameter of the rig.
 
 use super::{Args, load};
-use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::output::{OutputArgs, no_json};
 use crate::cli::arguments::over::OverOption;
 use crate::cli::interrupt;
 use crate::kept::Kept;
@@ -63,8 +63,7 @@ fn rows(
     (base, rigs): (&NamedRig, &[NamedRig]),
     (springs, limits): (Springs, PickLimits),
 ) -> Result<Vec<OverRow>, UserError> {
-    let request = serde_json::to_string(output.made_from());
-    let request = request.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+    let request = serde_json::to_string(output.made_from()).map_err(no_json)?;
     let dir = output.out.as_ref();
     let path = dir.map(|dir| dir.join(output.name(".unfinished")));
     let mut kept = Kept::open(path.clone(), &request)?;
