@@ -16,7 +16,9 @@ use crate::words::number;
 use files::UserError;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::compare::{Comparison, ComparisonErrors, ComparisonRequest, MeasuredFrame, compare};
+use numerics::compare::{
+    ComparedSample, Comparison, ComparisonErrors, ComparisonRequest, MeasuredFrame, compare,
+};
 use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -141,32 +143,28 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
     let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
     let end = begin + 4.0 / e.frequency_hz;
     let shown = || comparison.rows.iter().take_while(|r| r.time_s <= end);
-    let by_force = signal.displacement_mm.is_none();
-    let measured = shown().filter_map(|r| {
-        let value = if by_force {
-            r.measured_force_n
-        } else {
-            r.measured_displacement_mm
-        };
-        Some((r.time_s, value?))
-    });
-    let model = shown().map(|r| {
-        let value = if by_force {
-            r.simulated_force_n
-        } else {
-            r.simulated_displacement_mm
-        };
-        (r.time_s, value)
-    });
-    let label = if by_force {
-        "contact force, N"
-    } else {
-        "displacement, mm"
+    type Value = fn(&ComparedSample) -> Option<f64>;
+    let (label, measured, model): (_, Value, Value) = match signal.displacement_mm {
+        None => (
+            "contact force, N",
+            |r| r.measured_force_n,
+            |r| Some(r.simulated_force_n),
+        ),
+        Some(_) => (
+            "displacement, mm",
+            |r| r.measured_displacement_mm,
+            |r| Some(r.simulated_displacement_mm),
+        ),
+    };
+    let curve = |value: Value| {
+        shown()
+            .filter_map(|r| Some((r.time_s, value(r)?)))
+            .collect()
     };
     text.push('\n');
     text += &Chart::new("record time, s", label)
-        .series("simulation", model.collect())
-        .series("measured", measured.collect())
+        .series("simulation", curve(model))
+        .series("measured", curve(measured))
         .render();
     text
 }

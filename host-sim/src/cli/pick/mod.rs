@@ -10,8 +10,10 @@ mod report;
 mod rop;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use plot::Figure;
+use serde::Serialize;
 use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
@@ -22,7 +24,6 @@ use super::arguments::over::{OverOption, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::arguments::uncertainty::UncertaintyArgs;
-use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::ProgressLine;
 use files::UserError;
@@ -163,9 +164,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     });
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
-    if let Some(dir) = &output.out {
-        write(output, dir, &picks)?;
-    }
+    let answer = json(&picks)?;
+    let curve: Vec<_> = picks.iter().flat_map(curve_rows).collect();
+    write(output, &figure(&picks), &answer, &curve)?;
     if let (Some(file), [rig], [pick]) = (&args.report, rigs.as_slice(), picks.as_slice()) {
         let before = report::write(file, rig, pick, output.made_from())?;
         output.note(&format!("wrote {}{}", file.display(), replaced(before)));
@@ -174,7 +175,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .iter()
         .map(|p| Selection::of(&p.answer, COLUMNS))
         .collect();
-    output.emit(&json(&picks)?, &rows, || {
+    output.emit(&answer, &rows, || {
         if args.beside.is_empty() {
             text::text(&picks)
         } else {
@@ -333,12 +334,19 @@ fn limits(args: &Args) -> Result<PickLimits, UserError> {
     })
 }
 
-fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
-    let name = output.name("");
-    let mut contents = drawn(&name, &figure(picks))?;
-    contents.push((format!("{name}.json"), to_json(&json(picks)?)?.into_bytes()));
-    let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
-    contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
+/// Writes the picture, the answer as JSON and the curve as CSV, if a folder was asked for.
+fn write(
+    output: &OutputArgs,
+    figure: &Figure,
+    answer: &impl Serialize,
+    curve: &[impl Serialize],
+) -> Result<(), UserError> {
+    let Some(dir) = &output.out else {
+        return Ok(());
+    };
+    let mut contents = output.picture(figure)?;
+    contents.push((output.name(".json"), to_json(answer)?.into_bytes()));
+    contents.push((output.name("-curve.csv"), to_csv(curve)));
     output.write(dir, contents)
 }
 
