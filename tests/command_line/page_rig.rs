@@ -14,8 +14,9 @@ use emulator::run::run as emulate;
 use emulator::scenario;
 use files::UserError;
 use host_sim::link::Client;
-use host_sim::link::live::Live;
+use host_sim::link::live::{self, Pace};
 use serde_json::Value;
+use serialport::SerialPort;
 use shared::control::{Command, Mode, State};
 use shared::fault::Fault;
 use tungstenite::handshake::client::generate_key;
@@ -89,11 +90,16 @@ impl Rig {
         scenario.events.clear();
         scenario.duration_s = 300.0;
         scenario.settings.trips.link_timeout_s = link_timeout_s;
-        let mut board = Live::new(&scenario.settings, 10, 1.0).expect("a pseudo-terminal");
-        let path = board.path();
+        let board = live::board(&scenario.settings, 10);
+        let (mut board, far_end) = board.expect("a pseudo-terminal");
+        let path = far_end.name().expect("it has a name");
         let truth = Arc::new(Truth::default());
-        let mut watch = Watch(Arc::clone(&truth));
-        thread::spawn(move || emulate(&scenario, &mut board, &mut watch).map(|_| ()));
+        let mut watch = (Watch(Arc::clone(&truth)), Pace::new(1.0));
+        thread::spawn(move || {
+            let done = emulate(&scenario, &mut board, &mut watch).map(|_| ());
+            drop(far_end);
+            done
+        });
         Self { path, truth }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{ChapterVerdict, Statement};
 use crate::figures::force_curves::curves;
-use crate::figures::section::{SHOWN, from_rest, rig};
+use crate::figures::section::{SHOWN, Said, from_rest, rig};
 use crate::figures::{Effort, bifurcation};
 use crate::progress::ProgressLine;
 use files::UserError;
@@ -52,19 +52,19 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
 
 fn sections(progress: &ProgressLine) -> Result<Vec<Statement>, UserError> {
     let mut all = Vec::new();
-    for (figure, gap_mm, ratio, words, named) in SHOWN {
+    for (figure, gap_mm, ratio, said) in SHOWN {
         let rig = rig("wires", gap_mm)?;
         let regime = portrait(&from_rest(&rig, ratio, 500, 100), progress)?.regime;
-        // After a band's bifurcation neither band's motion is left.
-        let after = words.contains("after the");
-        let verdict = match named {
-            Some((p, n)) => ChapterVerdict::of(regime.is(p, n)),
-            None if after => ChapterVerdict::of(!regime.is(1, 1) && !regime.is(1, 2)),
-            None => ChapterVerdict::CannotBeTold,
+        let verdict = match (said.regime(), said) {
+            (Some((p, n)), _) => ChapterVerdict::of(regime.is(p, n)),
+            (None, Said::Nothing) => ChapterVerdict::CannotBeTold,
+            // After a band's bifurcation neither band's motion is left.
+            _ => ChapterVerdict::of(!regime.is(1, 1) && !regime.is(1, 2)),
         };
         let ours = format!("from rest z = {regime}");
         let section = format!("3.3.5, figure {figure}");
-        all.push(Statement::new(section, words, ours, verdict));
+        let words = said.words(gap_mm, ratio);
+        all.push(Statement::new(section, &words, ours, verdict));
     }
     all.push(Statement::measured(
         "3.3.5, figures 3.16 to 3.23",

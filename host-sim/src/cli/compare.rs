@@ -12,10 +12,13 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::ProgressLine;
 use crate::words::compare::WordedComparison;
+use crate::words::number;
 use files::UserError;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::compare::{Comparison, ComparisonErrors, ComparisonRequest, MeasuredFrame, compare};
+use numerics::compare::{
+    ComparedSample, Comparison, ComparisonErrors, ComparisonRequest, MeasuredFrame, compare,
+};
 use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -140,32 +143,28 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
     let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
     let end = begin + 4.0 / e.frequency_hz;
     let shown = || comparison.rows.iter().take_while(|r| r.time_s <= end);
-    let by_force = signal.displacement_mm.is_none();
-    let measured = shown().filter_map(|r| {
-        let value = if by_force {
-            r.measured_force_n
-        } else {
-            r.measured_displacement_mm
-        };
-        Some((r.time_s, value?))
-    });
-    let model = shown().map(|r| {
-        let value = if by_force {
-            r.simulated_force_n
-        } else {
-            r.simulated_displacement_mm
-        };
-        (r.time_s, value)
-    });
-    let label = if by_force {
-        "contact force, N"
-    } else {
-        "displacement, mm"
+    type Value = fn(&ComparedSample) -> Option<f64>;
+    let (label, measured, model): (_, Value, Value) = match signal.displacement_mm {
+        None => (
+            "contact force, N",
+            |r| r.measured_force_n,
+            |r| Some(r.simulated_force_n),
+        ),
+        Some(_) => (
+            "displacement, mm",
+            |r| r.measured_displacement_mm,
+            |r| Some(r.simulated_displacement_mm),
+        ),
+    };
+    let curve = |value: Value| {
+        shown()
+            .filter_map(|r| Some((r.time_s, value(r)?)))
+            .collect()
     };
     text.push('\n');
     text += &Chart::new("record time, s", label)
-        .series("simulation", model.collect())
-        .series("measured", measured.collect())
+        .series("simulation", curve(model))
+        .series("measured", curve(measured))
         .render();
     text
 }
@@ -173,12 +172,11 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
 fn table(e: &ComparisonErrors) -> String {
     let mut text = String::from("                               measured    simulated\n");
     let mut line = |what: &str, measured: Option<f64>, simulated: Option<f64>, digits: usize| {
-        let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
         if measured.is_some() {
             text += &format!(
                 "  {what:<27} {:>9} {:>12}\n",
-                cell(measured),
-                cell(simulated)
+                number(measured, digits),
+                number(simulated, digits)
             );
         }
     };

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use serde::Serialize;
+#[cfg(unix)]
+use serialport::SerialPort;
 use shared::control::BootInfo;
 use shared::settings::TICK_RATE_HZ;
 
 use super::arguments::output::{OutputArgs, to_json};
 use super::terminal::{print, say};
 #[cfg(unix)]
-use crate::link::live::Live;
+use crate::link::live::{self, Pace};
 use crate::pictures::drawn;
 use crate::pictures::emulate::{About, Trace, figure};
 use crate::progress::ProgressLine;
@@ -68,7 +70,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let scenario = scenario::load(name)?;
     #[cfg(unix)]
     if args.pty {
-        return live(args, scenario);
+        return at_a_terminal(args, scenario);
     }
     let rig = NamedRig::new("true rig", scenario.true_rig);
     let output = &args.output.named(file_name(&scenario), [&rig])?;
@@ -88,7 +90,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
 
 /// Offers the emulated board at a pseudo-terminal, at `--speed` times real time, until interrupted.
 #[cfg(unix)]
-fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
+fn at_a_terminal(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     if !(0.01..=1e6).contains(&args.speed) {
         return Err(UserError::new(format!(
             "--speed is {:?}, must be a number from 0.01 to 1000000",
@@ -98,9 +100,9 @@ fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     scenario.events.clear();
     scenario.duration_s = ENDLESS_S;
     let block_ticks = u8::try_from(scenario.block_ticks).unwrap_or(u8::MAX);
-    let mut control = Live::new(&scenario.settings, block_ticks, args.speed)?;
-    print(&format!("{}\n", control.path()));
-    emulate(&scenario, &mut control, &mut ())?;
+    let (mut control, far_end) = live::board(&scenario.settings, block_ticks)?;
+    print(&format!("{}\n", far_end.name().unwrap_or_default()));
+    emulate(&scenario, &mut control, &mut Pace::new(args.speed))?;
     Ok(0)
 }
 

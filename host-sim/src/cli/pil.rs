@@ -9,6 +9,7 @@ use emulator::in_the_loop::{InTheLoop, end};
 use emulator::run::run as run_scenario;
 use emulator::scenario::{Scenario, load};
 use files::UserError;
+use files::range::within;
 
 /// Cycles per tick of a processor at 180 MHz with ticks at 20 kHz.
 const CYCLES_PER_TICK: f64 = 180e6 / 20e3;
@@ -41,12 +42,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<i32, UserError> {
     let mut scenario = load(&args.scenario)?;
     if let Some(seconds) = args.seconds {
-        if !(seconds > 0.0 && seconds <= 172_800.0) {
-            return Err(UserError::new(format!(
-                "--seconds is {seconds}, must be from 0.001 to 172800"
-            )));
-        }
-        scenario.duration_s = seconds;
+        scenario.duration_s = within("--seconds", seconds, 0.001, 172_800.0)?;
     }
     // In the order in which the other side opens them.
     let mut requests = open(&args.requests, OpenOptions::new().write(true))?;

@@ -6,6 +6,7 @@ use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Contents, Format, OutputArgs, to_json};
 use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
+use crate::pictures::poincare::history;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
 use files::table::{to_csv, to_csv_or_header};
@@ -209,7 +210,7 @@ fn figure(
     section: &[SectionRow],
 ) -> Figure {
     let shown: Vec<_> = tail(recorder, row.frequency_hz).collect();
-    let over_time = |f: fn(&RecordedSample) -> f64| shown.iter().map(|(t, s)| (*t, f(s))).collect();
+    let force = shown.iter().map(|(t, s)| (*t, s.force_n)).collect();
     let plane = shown
         .iter()
         .map(|(_, s)| (s.relative_displacement_mm, s.relative_velocity_m_per_s));
@@ -249,21 +250,12 @@ fn figure(
         ))
         .columns(2)
         .size(1200, 860)
-        .panel(
-            Panel::new("time, s", "displacement, mm")
-                .titled("Time history")
-                .item(Item::line("hammer, fixed frame", BLUE, over_time(|s| s.displacement_mm)))
-                .item(Item::dashed(
-                    "impact surface",
-                    RED,
-                    shown.iter().map(|(t, s)| (*t, s.displacement_mm - s.relative_displacement_mm + gap)).collect(),
-                )),
-        )
+        .panel(history(&shown, gap, [BLUE, RED]).titled("Time history"))
         .panel(
             Panel::new("time, s", Axis::new("contact force, N").with_zero())
                 .titled("Contact force")
                 .without_legend()
-                .item(Item::line("contact force", RED, over_time(|s| s.force_n))),
+                .item(Item::line("contact force", RED, force)),
         )
         .panel(
             Panel::new(displacement, velocity)

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::force_curves::{SweepCurves, curves, gap_mm};
 use super::{Effort, Page};
+use crate::pictures::pick::grouped;
 use crate::pictures::regimes::{regime_group, regime_style};
 use crate::progress::ProgressLine;
 use files::UserError;
@@ -111,17 +112,9 @@ fn panel(curve: &SweepCurves, titled: bool) -> Panel {
         Color(0x99, 0x33, 0x33),
         line(&curve.down),
     ));
-    let mut groups: Vec<(&str, Vec<(f64, f64)>)> = Vec::new();
-    for row in &curve.rest {
-        let name = regime_group(&row.regime.to_string());
-        match groups.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, points)) => points.push(at(row)),
-            None => groups.push((name, vec![at(row)])),
-        }
-    }
-    for (name, points) in groups {
-        panel = panel.item(small(name, points));
-    }
+    let group = |row: &RunRow| regime_group(&row.regime.to_string()).to_owned();
+    let rest = curve.rest.iter().map(|row| (group(row), at(row)));
+    panel.items.extend(grouped(rest, small));
     if titled {
         panel = panel.titled(format!("gap {:?} mm", gap_mm(&curve.params)));
     }

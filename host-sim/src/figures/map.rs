@@ -239,8 +239,8 @@ pub fn unrest_shares(map: &Map) -> [f64; 2] {
 /// Figure 3.25, with the points that the chapter names.
 fn measured(map: &Map) -> Result<Page, UserError> {
     let natural_hz = map.rig.params.natural_frequency_hz();
-    let named = SHOWN.iter().filter_map(|(_, gap_mm, ratio, _, named)| {
-        let (impacts, periods) = (*named)?;
+    let named = SHOWN.iter().filter_map(|(_, gap_mm, ratio, said)| {
+        let (impacts, periods) = said.regime()?;
         let regime = Regime::Periodic { impacts, periods };
         Some((*gap_mm, ratio * natural_hz, regime))
     });

@@ -38,8 +38,10 @@ pub fn beams(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, UserE
     ] {
         let rig = rigfile::load(beam, &[])?;
         let count = (1.6 / step) as usize;
-        let ratios = (0..=count).map(|i| 1.0 + i as f64 * step);
-        let rows = rows(&rig, assumed(MASS_RATIO), ratios, cycles, progress)?;
+        let natural = rig.params.natural_frequency_hz();
+        let hz = (0..=count).map(|i| (1.0 + i as f64 * step) * natural);
+        let hz: Vec<f64> = hz.collect();
+        let rows = rows(&rig, assumed(MASS_RATIO), &COUNTS, &hz, cycles, progress)?;
         let title = format!("Bending modes, couplings {title} mm apart, gap 0.0 mm");
         let figure = over_frequency(&title, &rows);
         let command =
@@ -57,18 +59,6 @@ fn assumed(mass_ratio: f64) -> Beam {
 }
 
 fn rows(
-    rig: &NamedRig,
-    beam: Beam,
-    ratios: impl Iterator<Item = f64>,
-    cycles: Cycles,
-    progress: &ProgressLine,
-) -> Result<Vec<ModesRow>, UserError> {
-    let natural = rig.params.natural_frequency_hz();
-    let frequencies_hz: Vec<_> = ratios.map(|ratio| ratio * natural).collect();
-    rows_with(rig, beam, &COUNTS, &frequencies_hz, cycles, progress)
-}
-
-fn rows_with(
     rig: &NamedRig,
     beam: Beam,
     counts: &[usize],
@@ -168,7 +158,7 @@ pub fn change_over(
     let hz = (0..=count).map(|i| natural * (1.0 + 1.6 * f64::from(i) / f64::from(count)));
     let hz: Vec<f64> = hz.collect();
     let (_, cycles) = resolution(Effort::Full);
-    let rows = rows_with(&rig, assumed(MASS_RATIO), &ENDS, &hz, cycles, progress)?;
+    let rows = rows(&rig, assumed(MASS_RATIO), &ENDS, &hz, cycles, progress)?;
     let pairs = pairs(&rows);
     let spread = pairs.iter().map(|(a, _)| a.section_spread_mm);
     Ok(ModesChange {
@@ -242,7 +232,7 @@ fn mass_curves(
             };
             let hz = (0..=count).map(|i| natural * (1.2 + 1.4 * f64::from(i) / f64::from(count)));
             let hz: Vec<f64> = hz.collect();
-            let rows = rows_with(&rig, beam, &ENDS, &hz, cycles, progress)?;
+            let rows = rows(&rig, beam, &ENDS, &hz, cycles, progress)?;
             let pairs = pairs(&rows);
             if !pairs.is_empty() {
                 force.push((*mass_ratio, change(&pairs, |row| row.force_n)));

@@ -47,67 +47,54 @@ pub fn smoothing(effort: Effort, progress: &ProgressLine) -> Result<Vec<Page>, U
     Ok(vec![page.table("", &found.rows())])
 }
 
-/// Figure, gap (mm), Ω/ω, the words, and the regime they name (p, n).
-pub type ShownSection = (&'static str, f64, f64, &'static str, Option<(u16, u8)>);
+/// What the chapter says of a section that it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// It lies after a band's bifurcation.
+    AfterTheBifurcation,
+    /// It lies in the band of 1/1.
+    FirstBand,
+    /// It lies in the band of 1/2.
+    SecondBand,
+    /// No regime.
+    Nothing,
+}
+
+impl Said {
+    /// Contacts and drive periods of the regime that it names.
+    pub fn regime(self) -> Option<(u16, u8)> {
+        match self {
+            Self::FirstBand => Some((1, 1)),
+            Self::SecondBand => Some((1, 2)),
+            Self::AfterTheBifurcation | Self::Nothing => None,
+        }
+    }
+
+    /// The chapter's words of a section at this gap and Ω/ω.
+    pub fn words(self, gap_mm: f64, ratio: f64) -> String {
+        let words = match self {
+            Self::AfterTheBifurcation => "after the bifurcation",
+            Self::FirstBand => "first frequency band (z = 1/1)",
+            Self::SecondBand => "second frequency band (z = 1/2)",
+            Self::Nothing => return format!("shown at {gap_mm:?} mm, {ratio}; no regime named"),
+        };
+        format!("\"{words}\" ({gap_mm:?} mm, {ratio})")
+    }
+}
+
+/// A section that the chapter shows: its figure, gap in mm, Ω/ω, and what is said of it.
+pub type ShownSection = (&'static str, f64, f64, Said);
 
 /// The motions that section 3.3.5 shows.
 pub const SHOWN: [ShownSection; 8] = [
-    (
-        "3.16",
-        0.0,
-        2.7,
-        "\"after the bifurcation\" (0.0 mm, 2.7)",
-        None,
-    ),
-    (
-        "3.17",
-        0.0,
-        3.8,
-        "\"second frequency band (z = 1/2)\" (0.0 mm, 3.8)",
-        Some((1, 2)),
-    ),
-    (
-        "3.18",
-        1.0,
-        1.5,
-        "\"first frequency band (z = 1/1)\" (1.0 mm, 1.5)",
-        Some((1, 1)),
-    ),
-    (
-        "3.19",
-        1.0,
-        3.3,
-        "\"second frequency band (z = 1/2)\" (1.0 mm, 3.3)",
-        Some((1, 2)),
-    ),
-    (
-        "3.20",
-        1.0,
-        4.7,
-        "\"after the bifurcation\" (1.0 mm, 4.7)",
-        None,
-    ),
-    (
-        "3.21",
-        2.4,
-        1.2,
-        "\"first frequency band (z = 1/1)\" (2.4 mm, 1.2)",
-        Some((1, 1)),
-    ),
-    (
-        "3.22",
-        2.4,
-        1.4,
-        "shown at 2.4 mm, 1.4; no regime named",
-        None,
-    ),
-    (
-        "3.23",
-        2.4,
-        2.7,
-        "shown at 2.4 mm, 2.7; no regime named",
-        None,
-    ),
+    ("3.16", 0.0, 2.7, Said::AfterTheBifurcation),
+    ("3.17", 0.0, 3.8, Said::SecondBand),
+    ("3.18", 1.0, 1.5, Said::FirstBand),
+    ("3.19", 1.0, 3.3, Said::SecondBand),
+    ("3.20", 1.0, 4.7, Said::AfterTheBifurcation),
+    ("3.21", 2.4, 1.2, Said::FirstBand),
+    ("3.22", 2.4, 1.4, Said::Nothing),
+    ("3.23", 2.4, 2.7, Said::Nothing),
 ];
 
 /// Displacement, phase plane and section: figures 3.16 to 3.23.

@@ -10,6 +10,7 @@ use shared::link::{
     BoardState, FromBoard, Hello, LinkAct, LinkAnswer, MAX_FRAME, PROTOCOL_VERSION, Packet, RATES,
     Refusal, SESSION_S, ToBoard, encode,
 };
+use shared::settings::Settings;
 use wire::Caller;
 
 use files::UserError;
@@ -210,6 +211,17 @@ impl<P: Read + Write> Client<P> {
         match self.ask(request)? {
             LinkAnswer::Done => Ok(()),
             LinkAnswer::Refused(refusal) => Err(self.complaint(reason(refusal))),
+            other => Err(self.odd(&other)),
+        }
+    }
+
+    /// Its settings.
+    ///
+    /// # Errors
+    /// If it does not answer, or gives something else.
+    pub fn settings(&mut self) -> Result<Settings, UserError> {
+        match self.ask(ToBoard::GetSettings)? {
+            LinkAnswer::Settings(settings) => Ok(settings),
             other => Err(self.odd(&other)),
         }
     }

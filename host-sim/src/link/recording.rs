@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::control::{BootInfo, Command, State, Status};
-use shared::link::{FromBoard, Hello, LinkAct, LinkAnswer, ToBoard};
+use shared::link::{FromBoard, Hello, LinkAct, ToBoard};
 
 use super::client::Client;
 use emulator::log::{Header, LogBlock, LogWriter};
@@ -39,10 +39,7 @@ pub fn record<P: Read + Write>(
     given: Option<Command>,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<(PathBuf, u64), UserError> {
-    let settings = match client.ask(ToBoard::GetSettings)? {
-        LinkAnswer::Settings(settings) => settings,
-        other => return Err(client.odd(&other)),
-    };
+    let settings = client.settings()?;
     let status = client.status()?;
     if status.state != State::Idle {
         let first = match status.state {

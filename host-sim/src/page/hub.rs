@@ -14,7 +14,7 @@ use shared::control::Command;
 use shared::link::{Decoder, FromBoard, Hello, LinkAnswer, Packet, ToBoard};
 
 use super::guest::Guest;
-use super::mailbox::{FromPage, Mailbox, Notice};
+use super::mailbox::{Mailbox, Notice, PageMessage};
 use super::requests::{Asker, Requests};
 use super::rules::{self, PageAct};
 
@@ -125,8 +125,8 @@ impl Hub {
             for message in mailbox.received() {
                 self.is_heard(mailbox.page, now);
                 match message {
-                    FromPage::Wire(bytes) => self.bytes(at, &bytes, now),
-                    FromPage::Words(words) => self.words(at, &words, now),
+                    PageMessage::Wire(bytes) => self.bytes(at, &bytes, now),
+                    PageMessage::Words(words) => self.words(at, &words, now),
                 }
             }
             if gone {

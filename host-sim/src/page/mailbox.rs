@@ -19,21 +19,12 @@ const MAX_UNREAD: usize = 64;
 /// Bytes in one message of the WebSocket.
 const BATCH: usize = 32 * 1024;
 
-/// A message from a page.
+/// A message from a page or to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FromPage {
-    /// Bytes for the board.
+pub enum PageMessage {
+    /// Bytes for the board, or as a board sends them.
     Wire(Vec<u8>),
-    /// Words for the server.
-    Words(String),
-}
-
-/// A message to a page.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ToPage {
-    /// Bytes as a board sends them.
-    Wire(Vec<u8>),
-    /// Words of the server, as JSON.
+    /// Words for the server, or of it, as JSON.
     Words(String),
 }
 
@@ -98,7 +89,7 @@ pub struct Mailbox {
     /// The number of the page.
     pub page: u32,
     outgoing: Mutex<Outgoing>,
-    incoming: Mutex<VecDeque<FromPage>>,
+    incoming: Mutex<VecDeque<PageMessage>>,
     gone: AtomicBool,
     dismissed: AtomicBool,
 }
@@ -155,13 +146,13 @@ impl Mailbox {
     }
 
     /// The next message for the page.
-    pub fn take(&self) -> Option<ToPage> {
+    pub fn take(&self) -> Option<PageMessage> {
         let mut outgoing = held(&self.outgoing);
         outgoing.told = outgoing.lost > 0 && !outgoing.told;
         if outgoing.told {
             let frames = std::mem::take(&mut outgoing.lost);
             let words = serde_json::to_string(&Notice::Lost { frames });
-            return Some(ToPage::Words(words.unwrap_or_default()));
+            return Some(PageMessage::Words(words.unwrap_or_default()));
         }
         let mut batch = Vec::new();
         while batch.len() < BATCH {
@@ -176,7 +167,7 @@ impl Mailbox {
                 }
                 Some(Item::Words(words)) if batch.is_empty() => {
                     outgoing.answers -= 1;
-                    return Some(ToPage::Words(words));
+                    return Some(PageMessage::Words(words));
                 }
                 Some(words) => {
                     outgoing.items.push_front(words);
@@ -185,11 +176,11 @@ impl Mailbox {
                 None => break,
             }
         }
-        (!batch.is_empty()).then_some(ToPage::Wire(batch))
+        (!batch.is_empty()).then_some(PageMessage::Wire(batch))
     }
 
     /// Takes a message from the page. False: there are too many.
-    pub fn receive(&self, message: FromPage) -> bool {
+    pub fn receive(&self, message: PageMessage) -> bool {
         let mut incoming = held(&self.incoming);
         let room = incoming.len() < MAX_UNREAD;
         if room {
@@ -199,7 +190,7 @@ impl Mailbox {
     }
 
     /// What has come from the page.
-    pub fn received(&self) -> VecDeque<FromPage> {
+    pub fn received(&self) -> VecDeque<PageMessage> {
         std::mem::take(&mut *held(&self.incoming))
     }
 
@@ -242,18 +233,18 @@ mod tests {
         for number in 0..fits + 5 {
             mailbox.stream(&vec![number as u8; size]);
         }
-        let Some(ToPage::Words(words)) = mailbox.take() else {
+        let Some(PageMessage::Words(words)) = mailbox.take() else {
             panic!("what was lost comes first");
         };
         assert_eq!(words, r#"{"kind":"lost","frames":5}"#);
         // What is lost meanwhile waits until something has been sent.
         mailbox.stream(&vec![7; size]);
-        let Some(ToPage::Wire(mut bytes)) = mailbox.take() else {
+        let Some(PageMessage::Wire(mut bytes)) = mailbox.take() else {
             panic!("words again");
         };
         let words = mailbox.take();
-        assert!(matches!(words, Some(ToPage::Words(w)) if w.contains("\"frames\":1")));
-        while let Some(ToPage::Wire(batch)) = mailbox.take() {
+        assert!(matches!(words, Some(PageMessage::Words(w)) if w.contains("\"frames\":1")));
+        while let Some(PageMessage::Wire(batch)) = mailbox.take() {
             assert!(batch.len() < BATCH + size);
             bytes.extend(batch);
         }
@@ -281,16 +272,16 @@ mod tests {
         mailbox.answer(&[2]);
         mailbox.tell(&Notice::Board { up: true, why: "" });
         mailbox.stream(&[3]);
-        assert_eq!(mailbox.take(), Some(ToPage::Wire(vec![1, 2])));
-        assert!(matches!(mailbox.take(), Some(ToPage::Words(_))));
-        assert_eq!(mailbox.take(), Some(ToPage::Wire(vec![3])));
+        assert_eq!(mailbox.take(), Some(PageMessage::Wire(vec![1, 2])));
+        assert!(matches!(mailbox.take(), Some(PageMessage::Words(_))));
+        assert_eq!(mailbox.take(), Some(PageMessage::Wire(vec![3])));
         assert_eq!(mailbox.take(), None);
     }
 
     #[test]
     fn a_page_that_sends_too_much_is_told_so_by_the_result() {
         let mailbox = Mailbox::new(1);
-        let message = || FromPage::Words(String::new());
+        let message = || PageMessage::Words(String::new());
         assert!((0..MAX_UNREAD).all(|_| mailbox.receive(message())));
         assert!(!mailbox.receive(message()));
         assert_eq!(mailbox.received().len(), MAX_UNREAD);

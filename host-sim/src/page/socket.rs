@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use super::mailbox::{FromPage, Mailbox, ToPage};
+use super::mailbox::{Mailbox, PageMessage};
 use crate::link::client::is_patience;
 
 /// How long a read or write of the connection may wait.
@@ -81,8 +81,8 @@ impl Socket {
         };
         self.heard = Instant::now();
         let room = match message {
-            Message::Binary(bytes) => mailbox.receive(FromPage::Wire(bytes.into())),
-            Message::Text(text) => mailbox.receive(FromPage::Words(text.as_str().to_owned())),
+            Message::Binary(bytes) => mailbox.receive(PageMessage::Wire(bytes.into())),
+            Message::Text(text) => mailbox.receive(PageMessage::Words(text.as_str().to_owned())),
             Message::Pong(number) => {
                 if let Ok(number) = number.as_ref().try_into() {
                     self.answered = u64::from_be_bytes(number).min(self.pings);
@@ -102,8 +102,8 @@ impl Socket {
 
     fn send(&mut self, mailbox: &Mailbox) -> Result<(), Error> {
         let message = match mailbox.take() {
-            Some(ToPage::Wire(bytes)) => Some(Message::Binary(bytes.into())),
-            Some(ToPage::Words(words)) => Some(Message::Text(words.into())),
+            Some(PageMessage::Wire(bytes)) => Some(Message::Binary(bytes.into())),
+            Some(PageMessage::Words(words)) => Some(Message::Text(words.into())),
             None if self.sent.elapsed() > PING => None,
             None => return Ok(()),
         };

@@ -31,14 +31,12 @@ pub fn figure(title: String, comparison: &Comparison, frame: MeasuredFrame) -> F
             (s - begin, at.displacement_mm)
         });
         figure = figure.panel(
-            Panel::new(time(), label)
-                .titled("Displacement")
-                .item(Item::line(
-                    "measured",
-                    Color::RED,
-                    measured(&shown, |r| Some((at(r), r.measured_displacement_mm?))),
-                ))
-                .item(Item::dashed("simulation", Color::BLUE, model)),
+            both(
+                Panel::new(time(), label),
+                measured(&shown, |r| Some((at(r), r.measured_displacement_mm?))),
+                model,
+            )
+            .titled("Displacement"),
         );
         figure = figure.panel(plane(comparison, &shown, label, frame));
     }
@@ -46,14 +44,12 @@ pub fn figure(title: String, comparison: &Comparison, frame: MeasuredFrame) -> F
         let model = modelled(comparison, &shown, frame, |s, at| (s - begin, at.force_n));
         let force = || Axis::new("contact force, N").with_zero();
         figure = figure.panel(
-            Panel::new(time(), force())
-                .titled("Contact force")
-                .item(Item::line(
-                    "measured",
-                    Color::RED,
-                    measured(&shown, |r| Some((at(r), r.measured_force_n?))),
-                ))
-                .item(Item::dashed("simulation", Color::BLUE, model)),
+            both(
+                Panel::new(time(), force()),
+                measured(&shown, |r| Some((at(r), r.measured_force_n?))),
+                model,
+            )
+            .titled("Contact force"),
         );
         if let Some(near) = strongest(&comparison.rows) {
             let begin = near.first().map_or(0.0, |r| r.time_s);
@@ -63,14 +59,12 @@ pub fn figure(title: String, comparison: &Comparison, frame: MeasuredFrame) -> F
             });
             let time = Axis::new(format!("time from {begin:.4} s of the record, ms"));
             figure = figure.panel(
-                Panel::new(time, force())
-                    .titled("Strongest measured contact")
-                    .item(Item::line(
-                        "measured",
-                        Color::RED,
-                        measured(&near, |r| Some((at(r), r.measured_force_n?))),
-                    ))
-                    .item(Item::dashed("simulation", Color::BLUE, model)),
+                both(
+                    Panel::new(time, force()),
+                    measured(&near, |r| Some((at(r), r.measured_force_n?))),
+                    model,
+                )
+                .titled("Strongest measured contact"),
             );
         }
     }
@@ -127,6 +121,13 @@ fn measured(
     rows.iter().filter_map(|r| f(r)).collect()
 }
 
+/// The curve that was measured and the simulated one, in one panel.
+fn both(panel: Panel, measured: Vec<(f64, f64)>, model: Vec<(f64, f64)>) -> Panel {
+    panel
+        .item(Item::line("measured", Color::RED, measured))
+        .item(Item::dashed("simulation", Color::BLUE, model))
+}
+
 fn plane(
     comparison: &Comparison,
     shown: &[&ComparedSample],
@@ -136,16 +137,11 @@ fn plane(
     let model = modelled(comparison, shown, frame, |_, at| {
         (at.displacement_mm, at.velocity_m_per_s)
     });
-    Panel::new(label, "velocity, m/s")
+    let seen = measured(shown, |r| {
+        Some((r.measured_displacement_mm?, r.measured_velocity_m_per_s?))
+    });
+    both(Panel::new(label, "velocity, m/s"), seen, model)
         .titled("Phase plane; dots: drive phase 0")
-        .item(Item::line(
-            "measured",
-            Color::RED,
-            measured(shown, |r| {
-                Some((r.measured_displacement_mm?, r.measured_velocity_m_per_s?))
-            }),
-        ))
-        .item(Item::dashed("simulation", Color::BLUE, model))
         .item(Item::points(
             "section, measured",
             Color::ORANGE,

@@ -144,16 +144,25 @@ pub fn by_regime<'a>(
     rows: impl Iterator<Item = (&'a RunRow, Point)>,
     item: fn(&str, Vec<Point>) -> Item,
 ) -> Vec<Item> {
+    let known = rows.filter(|(row, _)| !row.failed);
+    grouped(
+        known.map(|(row, point)| (legend(row.outcome()), point)),
+        item,
+    )
+}
+
+/// Points as one item for each label, in the order in which the labels come.
+pub fn grouped(
+    points: impl Iterator<Item = (String, Point)>,
+    item: fn(&str, Vec<Point>) -> Item,
+) -> Vec<Item> {
     let mut groups: Vec<(String, Vec<Point>)> = Vec::new();
-    for (row, point) in rows.filter(|(row, _)| !row.failed) {
-        let label = legend(row.outcome());
+    for (label, point) in points {
         match groups.iter_mut().find(|(known, _)| *known == label) {
             Some((_, points)) => points.push(point),
             None => groups.push((label, vec![point])),
         }
     }
     let groups = groups.into_iter();
-    groups
-        .map(|(regime, points)| item(&regime, points))
-        .collect()
+    groups.map(|(label, points)| item(&label, points)).collect()
 }

@@ -93,12 +93,22 @@ pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> 
     figure.size(1200, 120 + 460 * rows)
 }
 
+/// The hammer over time, and the surface that it strikes, which rides on the cart.
+pub fn history(shown: &[(f64, &RecordedSample)], gap_mm: f64, [blue, red]: [Color; 2]) -> Panel {
+    let over_time =
+        |f: &dyn Fn(&RecordedSample) -> f64| shown.iter().map(|(t, s)| (*t, f(s))).collect();
+    let hammer = over_time(&|s| s.displacement_mm);
+    let surface = over_time(&|s| s.displacement_mm - s.relative_displacement_mm + gap_mm);
+    Panel::new("time, s", "displacement, mm")
+        .item(Item::line("hammer, fixed frame", blue, hammer))
+        .item(Item::dashed("impact surface", red, surface))
+}
+
 /// As the chapter's figures 3.16–3.23: a) displacement over time, b) phase plane with the section's points.
 pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let shown = &portrait.trajectory;
     let from = shown.first().map_or(0.0, |s| s.time_s);
-    let history =
-        |f: fn(&RecordedSample) -> f64| shown.iter().map(|s| (s.time_s - from, f(s))).collect();
+    let timed: Vec<_> = shown.iter().map(|s| (s.time_s - from, s)).collect();
     let gap = request.params.gap_m * 1e3;
     let mut plane = Panel::new(DISPLACEMENT, VELOCITY)
         .titled("b) Phase plane and section at drive phase 0")
@@ -108,26 +118,7 @@ pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) ->
     headed(rig, request, portrait)
         .columns(2)
         .size(1200, 520)
-        .panel(
-            Panel::new("time, s", "displacement, mm")
-                .titled("a) Displacement")
-                .item(Item::line(
-                    "hammer, fixed frame",
-                    Color::BLUE,
-                    history(|s| s.displacement_mm),
-                ))
-                .item(Item::dashed(
-                    "impact surface",
-                    Color::RED,
-                    shown
-                        .iter()
-                        .map(|s| {
-                            let cart = s.displacement_mm - s.relative_displacement_mm;
-                            (s.time_s - from, cart + gap)
-                        })
-                        .collect(),
-                )),
-        )
+        .panel(history(&timed, gap, [Color::BLUE, Color::RED]).titled("a) Displacement"))
         .panel(plane)
 }
 

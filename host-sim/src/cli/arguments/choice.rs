@@ -1,5 +1,6 @@
 //! Values of the analyses as choices on the command line.
 
+use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use numerics::compare::MeasuredFrame;
 use numerics::drop_test::Converter;
@@ -50,51 +51,21 @@ impl Choice for Converter {
 }
 
 /// How the cart is moved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CartChoice {
-    /// Along A0 sin Ωt.
+    /// Prescribed exactly, with any force that this takes, as in the chapter
     Prescribed,
-    /// By the rig's shaker.
+    /// The rig's shaker (shaker_loop_hz) holds it; contacts push it off its course
     Recoil,
 }
 
-impl Choice for CartChoice {
-    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
-        (
-            "prescribed",
-            "Prescribed exactly, with any force that this takes, as in the chapter",
-            Self::Prescribed,
-        ),
-        (
-            "recoil",
-            "The rig's shaker (shaker_loop_hz) holds it; contacts push it off its course",
-            Self::Recoil,
-        ),
-    ];
-}
-
 /// What a pick makes largest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Objective {
-    /// The contact force on a surface that stays.
+    /// Contact force on a surface that stays
     Force,
-    /// The rate of penetration.
+    /// Rate of penetration on ground that gives way (--threshold-n)
     Rop,
-}
-
-impl Choice for Objective {
-    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
-        (
-            "force",
-            "Contact force on a surface that stays",
-            Self::Force,
-        ),
-        (
-            "rop",
-            "Rate of penetration on ground that gives way (--threshold-n)",
-            Self::Rop,
-        ),
-    ];
 }
 
 impl Choice for Direction {

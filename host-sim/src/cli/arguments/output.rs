@@ -354,6 +354,10 @@ pub fn check_folder(dir: &Path) -> Result<(), UserError> {
 /// If the answer has no form as JSON.
 pub fn to_json<T: Serialize + ?Sized>(answer: &T) -> Result<String, UserError> {
     let text = serde_json::to_string_pretty(answer);
-    text.map(|text| text + "\n")
-        .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
+    text.map(|text| text + "\n").map_err(no_json)
+}
+
+/// An answer has no form as JSON.
+pub fn no_json(error: serde_json::Error) -> UserError {
+    UserError::new(format!("cannot write JSON: {error}"))
 }

@@ -44,6 +44,22 @@ impl OverOption {
     pub fn at(&self, error: UserError) -> UserError {
         error.at_setting(format!("--over {}", self.key))
     }
+
+    /// The label of a chart's axis over it; see [`Self::along`].
+    pub fn axis(&self) -> String {
+        match self.values.log {
+            true => format!("log10 of {}", self.key),
+            false => self.key.clone(),
+        }
+    }
+
+    /// Where a value lies on a chart's axis: a chart has no logarithmic one.
+    pub fn along(&self, value: f64) -> f64 {
+        match self.values.log {
+            true => value.log10(),
+            false => value,
+        }
+    }
 }
 
 /// Reads `KEY=VALUES`.

@@ -7,7 +7,7 @@ use files::rigfile;
 use numerics::NamedRig;
 use shared::model::params::RigParams;
 
-use super::choice::{CartChoice, choice};
+use super::choice::CartChoice;
 use super::range::parse_range;
 
 /// A rig without a choice of gap.
@@ -159,7 +159,7 @@ impl RigArgs {
 #[command(next_help_heading = "Rig")]
 pub struct CartArg {
     /// Motion of the cart [default: recoil where the rig's shaker is known, else prescribed]
-    #[arg(long, value_parser = choice::<CartChoice>())]
+    #[arg(long, value_enum)]
     cart: Option<CartChoice>,
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::arguments::cycles::usual_recorded;
 use super::arguments::drive::OneFrequency;
 use super::arguments::engine::EngineArgs;
-use super::arguments::output::OutputArgs;
+use super::arguments::output::{Contents, OutputArgs};
 use super::arguments::range::rising;
 use super::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures::basins::figure;
@@ -123,8 +123,22 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "note: from {failed} starts of the grid the hammer leaves the model's range (1 rad or 1 m) or needs a shorter tick; their rows say failed, and they count as no impact"
         ));
     }
-    write(output, &found)?;
-    answer(output, &found)
+    if let [
+        Found {
+            point: None,
+            basins,
+            summary,
+        },
+    ] = &found[..]
+    {
+        let picture = || output.picture(&figure(basins));
+        let rows = cells::rows(basins);
+        return output.answer(summary, &rows, picture, || text::one(basins, summary));
+    }
+    let summaries: Vec<&BasinsSummary> = found.iter().map(|one| &one.summary).collect();
+    let lines = lines(&found);
+    let files = || files_of_each(output, &found);
+    output.answer(&summaries, &lines, files, || text::several(&lines))
 }
 
 fn queries(args: &Args) -> Result<Vec<(Option<ChapterBasin>, BasinsRequest)>, UserError> {
@@ -171,45 +185,20 @@ fn own(args: &Args) -> Result<BasinsRequest, UserError> {
     Ok(BasinsRequest { window, ..query })
 }
 
-fn write(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
-    let Some(dir) = &output.out else {
-        return Ok(());
-    };
+/// The pictures and tables of each of the chapter's points.
+fn files_of_each(output: &OutputArgs, found: &[Found]) -> Result<Contents, UserError> {
     let mut contents = Vec::new();
     for one in found {
-        let name = match one.point {
-            Some(point) => {
-                let figure = point.figure.replace('.', "-");
-                output.name(&format!("-{figure}{}", point.part))
-            }
-            None => output.name(""),
+        let of_figure = |point: ChapterBasin| {
+            let figure = point.figure.replace('.', "-");
+            output.name(&format!("-{figure}{}", point.part))
         };
+        let name = one.point.map_or(output.name(""), of_figure);
         contents.extend(drawn(&name, &figure(&one.basins))?);
         let rows = cells::rows(&one.basins);
         contents.extend(output.tables(&name, &one.summary, &rows)?);
     }
-    if found.iter().any(|one| one.point.is_some()) {
-        let table = output.tables(&output.name(""), &summaries(found), &lines(found))?;
-        contents.extend(table);
-    }
-    output.write(dir, contents)
-}
-
-fn answer(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
-    match found {
-        [one] if one.point.is_none() => {
-            output.emit(&one.summary, &cells::rows(&one.basins), || {
-                text::one(&one.basins, &one.summary)
-            })
-        }
-        _ => output.emit(&summaries(found), &lines(found), || {
-            text::several(&lines(found))
-        }),
-    }
-}
-
-fn summaries(found: &[Found]) -> Vec<&BasinsSummary> {
-    found.iter().map(|one| &one.summary).collect()
+    Ok(contents)
 }
 
 /// A point of the chapter as one line of a table. Shares are from 0 to 1.

@@ -2,6 +2,7 @@
 
 use super::Line;
 use crate::pictures::basins::caption;
+use crate::words::number;
 use numerics::basins::{Basins, BasinsSummary, Entropy, SampledShare};
 use plot::chart::Chart;
 
@@ -119,8 +120,7 @@ pub fn several(lines: &[Line<'_>]) -> String {
         "figure  rig       Ω/ω   gap/A0  impact, %        random (95 %)           S_b     S_bb   α      ends in\n",
     );
     for l in lines {
-        let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.3}"));
-        let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{:.1}", 100.0 * x));
+        let percent = |x: Option<f64>| number(x.map(|x| 100.0 * x), 1);
         text += &format!(
             "{:<7} {:<9} {:<5.2} {:<6.2}  {:<16} {:>5} ({} to {})  {:>10} {:>6} {:>6}  {} kinds, most {}\n",
             l.figure,
@@ -131,9 +131,9 @@ pub fn several(lines: &[Line<'_>]) -> String {
             percent(l.impact_share_random),
             percent(l.impact_share_random_low),
             percent(l.impact_share_random_high),
-            number(l.basin_entropy),
-            number(l.boundary_basin_entropy),
-            number(l.uncertainty_exponent),
+            number(l.basin_entropy, 3),
+            number(l.boundary_basin_entropy, 3),
+            number(l.uncertainty_exponent, 3),
             l.attractors,
             l.largest_attractor
         );

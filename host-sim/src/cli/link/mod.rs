@@ -12,7 +12,7 @@ use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
-use shared::link::{Hello, LinkAct, LinkAnswer, RATES, ToBoard};
+use shared::link::{Hello, LinkAct, RATES};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::Format;
@@ -247,7 +247,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
             print("the older copy of the settings is confirmed and stored; clear the fault now\n");
             Ok(())
         }),
-        What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
+        What::Get => port
+            .settings()
+            .map(|settings| print(&settings_file::to_toml(&settings))),
         What::Set(set) => in_session(port, set.session, |port| {
             send_settings(port, &hello, &set.new)
         }),
@@ -301,7 +303,7 @@ fn in_session<T>(
 /// Starts in automatic mode. If the settings ask for a heartbeat, this program stays and gives it.
 fn start_automatic(port: &mut Port) -> Result<(), UserError> {
     command(port, control::Command::Start(Mode::Automatic))?;
-    if !settings(port)?.operator.heartbeat {
+    if !port.settings()?.operator.heartbeat {
         return Ok(());
     }
     say(
@@ -333,13 +335,6 @@ fn command(port: &mut Port, command: control::Command) -> Result<(), UserError> 
     Ok(())
 }
 
-fn settings(port: &mut Port) -> Result<Settings, UserError> {
-    match port.ask(ToBoard::GetSettings)? {
-        LinkAnswer::Settings(settings) => Ok(settings),
-        other => Err(port.odd(&other)),
-    }
-}
-
 fn send_settings(port: &mut Port, hello: &Hello, set: &NewSettings) -> Result<(), UserError> {
     let mut new = match &set.rig {
         Some(name) => {
@@ -351,7 +346,7 @@ fn send_settings(port: &mut Port, hello: &Hello, set: &NewSettings) -> Result<()
             };
             Settings::for_rig(&rig.params).for_real()
         }
-        None => settings(port)?,
+        None => port.settings()?,
     };
     if set.rig.is_some() && hello.board == "emulator" {
         // It has no button that a person could press.
@@ -400,7 +395,7 @@ fn never_starts(port: &Port, what: &str) -> UserError {
 fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
     let amplitude_m = match start.amplitude {
         Some(mm) => 1e-3 * mm,
-        None => settings(port)?.rig.amplitude_m,
+        None => port.settings()?.rig.amplitude_m,
     };
     port.command(control::Command::Start(Mode::Manual))?;
     let mut set = start.frequency.is_none() && start.amplitude.is_none();

@@ -10,10 +10,11 @@ use shared::link::{BoardState, ForecastPage, FromBoard, Hello, LinkAnswer, ToBoa
 use shared::settings::TICK_RATE_HZ;
 
 use super::Port;
-use crate::cli::arguments::output::{Format, emit, to_json};
+use crate::cli::arguments::output::{Format, emit, no_json, to_json};
 use crate::cli::terminal::{print, print_if_read};
 use crate::link::by_hand;
 use crate::link::clock::Clock;
+use crate::words::number;
 use emulator::names::state_name;
 use files::UserError;
 use files::made_from::{MadeFrom, into_json};
@@ -80,14 +81,12 @@ pub fn status(
     let status = port.status()?;
     let board = port.board()?;
     if format == Format::Json {
-        let mut answer = serde_json::to_value(status)
-            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        let mut answer = serde_json::to_value(status).map_err(no_json)?;
         answer["board"] = hello.board.as_str().into();
         answer["firmware"] = hello.firmware.as_str().into();
         answer["state"] = state_name(status.state).into();
         answer["regime"] = status.regime.to_string().into();
-        answer["settings"] = serde_json::to_value(board.settings)
-            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        answer["settings"] = serde_json::to_value(board.settings).map_err(no_json)?;
         answer["held"] = board.held.into();
         answer["awaits_acknowledgement"] = board.awaits_acknowledgement.into();
         answer["fault"] = status.fault.map_or(Value::Null, |record| {
@@ -187,7 +186,7 @@ pub fn forecast(
     format: Format,
     made: &MadeFrom,
 ) -> Result<(), UserError> {
-    let settings = super::settings(port)?;
+    let settings = port.settings()?;
     let (rows, target) = pages(port)?;
     let lines: Vec<_> = rows
         .iter()
@@ -210,15 +209,13 @@ pub fn forecast(
     emit(format, Some(made), &answer, &lines, || {
         let mut text = String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
         for line in &lines {
-            let number =
-                |x: Option<f32>, places| x.map_or("-".to_owned(), |x| format!("{x:.places$}"));
             text.push_str(&format!(
                 "{:9.4}  {:>9} {:8.2}  {:>12}  {:>10}\n",
                 line.frequency_hz,
                 line.regime,
                 line.force_n,
-                number(line.orbit_force_n, 2),
-                number(line.orbit_multiplier, 3),
+                number(line.orbit_force_n.map(f64::from), 2),
+                number(line.orbit_multiplier.map(f64::from), 3),
             ));
         }
         text.push_str(&match target {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use shared::link::Hello;
 use shared::settings::Settings;
 
-use super::{Port, Session, settings};
+use super::{Port, Session};
 use crate::cli::arguments::output::to_json;
 use crate::cli::arguments::range::parse_range;
 use crate::cli::interrupt;
@@ -64,7 +64,7 @@ pub fn sweep(
     plan: &Sweep,
     made: &MadeFrom,
 ) -> Result<i32, UserError> {
-    let settings = settings(port)?;
+    let settings = port.settings()?;
     let by_hand = by_hand_plan(&settings, plan)?;
     interrupt::finish_first();
     let beside = plan.csv.with_extension("json");

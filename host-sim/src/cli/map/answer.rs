@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::requests;
+use crate::cli::arguments::output::no_json;
 use files::UserError;
 use numerics::CartModel;
 use numerics::map::measured::Hits;
@@ -74,9 +75,7 @@ impl MapAnswer<'_> {
             alikeness: &self.alikeness,
             measured: self.measured,
         };
-        let text = serde_json::to_string(&json);
-        let text = text.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
-        Ok(text + "\n")
+        Ok(serde_json::to_string(&json).map_err(no_json)? + "\n")
     }
 }
 

@@ -15,7 +15,7 @@ use super::arguments::drive::{Drives, chapters};
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
-use super::terminal::print_bytes;
+use super::terminal::print;
 use crate::progress::ProgressLine;
 use files::UserError;
 use files::made_from::into_json;
@@ -192,24 +192,16 @@ fn make(
     if let Some(dir) = &output.out {
         write(output, dir, &answer, points)?;
     }
-    let alone = maps.len() == 1;
     match output.format {
-        Format::Json => {
-            let json = into_json(answer.to_json()?, output.made_from());
-            print_bytes(json.as_bytes());
-            Ok(())
+        Format::Text => print(&text::text(&answer, &maps)),
+        Format::Json => print(&into_json(answer.to_json()?, output.made_from())),
+        Format::Csv if maps.len() > 1 => {}
+        Format::Csv => {
+            let rows: Vec<_> = maps[0].rows().collect();
+            output.emit(&(), &rows, String::new)?;
         }
-        Format::Csv if !alone => Ok(()),
-        format => output.emit(&(), &rows(format, &maps[0]), || text::text(&answer, &maps)),
     }
-}
-
-/// The rows that a format needs.
-fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
-    match format {
-        Format::Csv => map.rows().collect(),
-        Format::Text | Format::Json => Vec::new(),
-    }
+    Ok(())
 }
 
 fn progress(args: &Args, requests: &[MapRequest]) -> ProgressLine {

@@ -1,6 +1,6 @@
 //! `orbits --curve`: doublings, folds and grazes over two parameters, each followed as one continuation.
 
-use super::{Args, OrbitsAxis, end_words, gap_ends, ratios};
+use super::{Args, OrbitsAxis, end_words, gap_ends, one_drive, ratios};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::{parse_finite, rising};
 use crate::pictures;
@@ -153,21 +153,8 @@ fn drive(args: &Args, first: Varied) -> Result<FamilyDrive, UserError> {
     if first.drives() {
         return Ok(FamilyDrive::Ratio(1.0));
     }
-    let one = |option: &str, text: &str| {
-        let value = parse_finite(text).filter(|x| *x > 0.0);
-        value.ok_or_else(|| {
-            UserError::new(format!(
-                "{option} {text}: with two parameters of the rig write one positive number"
-            ))
-        })
-    };
-    match (&args.ratio, &args.frequency) {
-        (Some(text), _) => one("--ratio", text).map(FamilyDrive::Ratio),
-        (None, Some(text)) => one("--frequency", text).map(FamilyDrive::Hz),
-        (None, None) => Err(UserError::new(
-            "a curve over two parameters of the rig needs the drive frequency: --ratio or --frequency",
-        )),
-    }
+    let two = "two parameters of the rig";
+    one_drive(args, two, &format!("a curve over {two}"))
 }
 
 /// Whether there is a rig at every corner of the plane.

@@ -8,15 +8,16 @@ use clap::ValueEnum;
 use curve::{CurveOver, parse_curve};
 
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::range::rising;
+use crate::cli::arguments::range::{parse_finite, rising};
 use crate::cli::arguments::rig::{CartArg, RigName, at_gap, parse_gap};
 use crate::pictures;
 use crate::progress::ProgressLine;
+use crate::words::number;
 use files::UserError;
 use files::decimal::hint;
 use numerics::NamedRig;
 use numerics::continuation::table::{BranchRow, OrbitsAnswer, SpecialRow};
-use numerics::continuation::{Along, CurveEnd, OrbitsRequest, diagram};
+use numerics::continuation::{Along, CurveEnd, FamilyDrive, OrbitsRequest, diagram};
 use numerics::orbit::Stability;
 use plot::chart::Chart;
 
@@ -152,24 +153,9 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
     let (along, limits) = match args.along {
         OrbitsAxis::Frequency => (Along::Frequency, ratios(args, rig)?),
         OrbitsAxis::Gap => {
-            let one = |option: &str, text: &str| {
-                let value = text.trim().parse::<f64>().ok();
-                let value = value.filter(|x| *x > 0.0 && x.is_finite());
-                value.ok_or_else(|| {
-                    UserError::new(format!(
-                        "{option} {text}: with --along gap write one positive number{}",
-                        hint(text)
-                    ))
-                })
-            };
-            let hz = match (&args.ratio, &args.frequency) {
-                (Some(text), _) => one("--ratio", text)? * natural_hz,
-                (None, Some(text)) => one("--frequency", text)?,
-                (None, None) => {
-                    return Err(UserError::new(
-                        "--along gap needs the drive frequency: --ratio or --frequency",
-                    ));
-                }
+            let hz = match one_drive(args, "--along gap", "--along gap")? {
+                FamilyDrive::Ratio(ratio) => ratio * natural_hz,
+                FamilyDrive::Hz(hz) => hz,
             };
             let (from, to) = gap_ends(args)?;
             for mm in [from, to] {
@@ -190,6 +176,26 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
             usize::from,
         ),
     })
+}
+
+/// The one drive frequency that goes `with` what is varied, and that `who` needs.
+fn one_drive(args: &Args, with: &str, who: &str) -> Result<FamilyDrive, UserError> {
+    let one = |option: &str, text: &str| {
+        let value = parse_finite(text).filter(|x| *x > 0.0);
+        value.ok_or_else(|| {
+            UserError::new(format!(
+                "{option} {text}: with {with} write one positive number{}",
+                hint(text)
+            ))
+        })
+    };
+    match (&args.ratio, &args.frequency) {
+        (Some(text), _) => one("--ratio", text).map(FamilyDrive::Ratio),
+        (None, Some(text)) => one("--frequency", text).map(FamilyDrive::Hz),
+        (None, None) => Err(UserError::new(format!(
+            "{who} needs the drive frequency: --ratio or --frequency"
+        ))),
+    }
 }
 
 /// The range of Ω/ω asked for.
@@ -300,7 +306,6 @@ fn branch_line(branch: &BranchRow) -> String {
     } else {
         stable.join(", ")
     };
-    let force = branch.largest_stable_force_ratio;
     let from = branch.doubled_from.as_ref();
     let ends = match from {
         Some(from) => format!("doubled {from} | {}", end_words(branch.ends[1])),
@@ -316,7 +321,7 @@ fn branch_line(branch: &BranchRow) -> String {
         branch.orbits,
         range(branch.range),
         stable,
-        force.map_or("-".to_owned(), |f| format!("{f:.3}")),
+        number(branch.largest_stable_force_ratio, 3),
         ends
     )
 }

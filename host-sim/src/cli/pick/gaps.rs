@@ -5,6 +5,7 @@ use crate::cli::arguments::rig::at_gap;
 use crate::pictures::gaps::figure;
 use crate::progress::ProgressLine;
 use crate::words::gaps::{GapRow, GapTable};
+use crate::words::number;
 use files::UserError;
 use files::range::at_most;
 use files::words::digits::decimals;
@@ -96,8 +97,6 @@ fn line(row: &GapRow, uncertainty: Option<Uncertainty>) -> String {
     if let Some(why) = &row.no_pick {
         return format!("  {:>7.3}  no pick: {why}\n", row.gap_mm);
     }
-    let number =
-        |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     // The natural frequency leaves the best frequency open in proportion.
     let half = uncertainty.zip(row.operating_frequency_hz);
     let half = half.map_or(0.0, |(u, hz)| hz * u.natural_frequency_percent / 100.0);

@@ -10,19 +10,20 @@ mod report;
 mod rop;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use plot::Figure;
+use serde::Serialize;
 use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
-use super::arguments::choice::{Objective, choice};
+use super::arguments::choice::Objective;
 use super::arguments::ground::GroundArgs;
-use super::arguments::output::{OutputArgs, replaced, to_json};
+use super::arguments::output::{OutputArgs, no_json, replaced, to_json};
 use super::arguments::over::{OverOption, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::arguments::uncertainty::UncertaintyArgs;
-use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::ProgressLine;
 use files::UserError;
@@ -70,7 +71,7 @@ pub struct Args {
     over: Option<OverOption>,
 
     /// Quantity to maximise
-    #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
+    #[arg(long, value_enum, default_value = "force")]
     objective: Objective,
 
     /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker's
@@ -163,9 +164,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     });
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
-    if let Some(dir) = &output.out {
-        write(output, dir, &picks)?;
-    }
+    let answer = json(&picks)?;
+    let curve: Vec<_> = picks.iter().flat_map(curve_rows).collect();
+    write(output, &figure(&picks), &answer, &curve)?;
     if let (Some(file), [rig], [pick]) = (&args.report, rigs.as_slice(), picks.as_slice()) {
         let before = report::write(file, rig, pick, output.made_from())?;
         output.note(&format!("wrote {}{}", file.display(), replaced(before)));
@@ -174,7 +175,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .iter()
         .map(|p| Selection::of(&p.answer, COLUMNS))
         .collect();
-    output.emit(&json(&picks)?, &rows, || {
+    output.emit(&answer, &rows, || {
         if args.beside.is_empty() {
             text::text(&picks)
         } else {
@@ -196,7 +197,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: PickLimits) -> Result<
             "{option} cannot be used with --objective rop, which computes beams with one bending mode"
         )));
     }
-    let rig = load(args, output, args.rig.name.name(), &[])?;
+    let rig = rig_of(args, output, args.rig.name.name(), &[])?;
     output.doubt(&rig);
     let uncertainty = args.uncertainty.of(&rig)?;
     let asked = args.ground.asked();
@@ -268,10 +269,10 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
     if args.all {
         let names = PRESETS.iter();
         return names
-            .map(|(name, _)| load(args, output, name, &[]))
+            .map(|(name, _)| rig_of(args, output, name, &[]))
             .collect();
     }
-    let mut rigs = vec![load(args, output, args.rig.name.name(), &[])?];
+    let mut rigs = vec![rig_of(args, output, args.rig.name.name(), &[])?];
     for beside in &args.beside {
         // mass_kg=1,7: the 7 is no setting of its own.
         if let Some(write) = comma(beside) {
@@ -280,42 +281,46 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
         let mut parts = beside.split(',');
         let name = parts.next().unwrap_or_default().trim();
         let settings: Vec<String> = parts.map(str::to_owned).collect();
-        let rig = load(args, output, name, &settings);
+        let rig = rig_of(args, output, name, &settings);
         rigs.push(rig.map_err(|error| error.at_setting(format!("--beside {beside}")))?);
     }
     Ok(rigs)
 }
 
-/// The rig `name` with `settings` besides those of the command line, at a gap of 0 unless one of them sets one.
-fn load(
+/// A rig of the pick. If nothing sets its gap, the pick is at 0.0 mm, and a note says so where the rig has another.
+fn rig_of(
     args: &Args,
     output: &OutputArgs,
     name: &str,
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
-    let rig_args = args.rig.at_one();
-    let loaded = rig_args.load_with(name, settings)?;
-    let mut rig = args.cart.apply(loaded)?;
-    let gap_set = settings
-        .iter()
-        .any(|setting| setting.trim_start().starts_with("gap_mm"));
-    if !rig_args.sets_gap() && !gap_set {
-        default_to_zero_gap(&mut rig, output);
+    let (rig, own_gap_m) = load(args, name, settings)?;
+    if let Some(gap_m) = own_gap_m {
+        output.note(&format!(
+            "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (set --gap to keep it)",
+            rig.name,
+            numerics::row::tidy(gap_m * 1e3)
+        ));
     }
     Ok(rig)
 }
 
-/// Sets the gap to 0.0 mm, at which the hammer is used in the field, and says so if the rig had another one.
-fn default_to_zero_gap(rig: &mut NamedRig, output: &OutputArgs) {
-    if rig.params.gap_m == 0.0 {
-        return;
-    }
-    output.note(&format!(
-        "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (set --gap to keep it)",
-        rig.name,
-        numerics::row::tidy(rig.params.gap_m * 1e3)
-    ));
-    rig.params.gap_m = 0.0;
+/// A rig of the pick; and the gap of its own, if it has one that is replaced by 0.0 mm.
+fn load(
+    args: &Args,
+    name: &str,
+    settings: &[String],
+) -> Result<(NamedRig, Option<f64>), UserError> {
+    let rig_args = args.rig.at_one();
+    let mut rig = args.cart.apply(rig_args.load_with(name, settings)?)?;
+    let keeps = rig_args.sets_gap()
+        || args.over.iter().any(|over| over.key == "gap_mm")
+        || settings
+            .iter()
+            .any(|s| s.trim_start().starts_with("gap_mm"));
+    let replaced = !keeps && rig.params.gap_m != 0.0;
+    let own_gap_m = replaced.then(|| std::mem::take(&mut rig.params.gap_m));
+    Ok((rig, own_gap_m))
 }
 
 fn limits(args: &Args) -> Result<PickLimits, UserError> {
@@ -329,12 +334,19 @@ fn limits(args: &Args) -> Result<PickLimits, UserError> {
     })
 }
 
-fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
-    let name = output.name("");
-    let mut contents = drawn(&name, &figure(picks))?;
-    contents.push((format!("{name}.json"), to_json(&json(picks)?)?.into_bytes()));
-    let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
-    contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
+/// Writes the picture, the answer as JSON and the curve as CSV, if a folder was asked for.
+fn write(
+    output: &OutputArgs,
+    figure: &Figure,
+    answer: &impl Serialize,
+    curve: &[impl Serialize],
+) -> Result<(), UserError> {
+    let Some(dir) = &output.out else {
+        return Ok(());
+    };
+    let mut contents = output.picture(figure)?;
+    contents.push((output.name(".json"), to_json(answer)?.into_bytes()));
+    contents.push((output.name("-curve.csv"), to_csv(curve)));
     output.write(dir, contents)
 }
 
@@ -347,5 +359,5 @@ fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
             serde_json::to_value(worded.collect::<Vec<_>>())
         }
     };
-    value.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
+    value.map_err(no_json)
 }

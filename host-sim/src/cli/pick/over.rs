@@ -1,13 +1,14 @@
 //! `pick --over`: how the operating point moves over a parameter of the rig.
 
-use super::Args;
-use crate::cli::arguments::output::OutputArgs;
+use super::{Args, load};
+use crate::cli::arguments::output::{OutputArgs, no_json};
 use crate::cli::arguments::over::OverOption;
 use crate::cli::interrupt;
 use crate::kept::Kept;
 use crate::pictures;
 use crate::progress::ProgressLine;
 use crate::words::over::{OverRow, of_rig, summary};
+use crate::words::{number, some_of};
 use files::words::digits::{decimals, significant};
 use files::{UserError, rigfile};
 use numerics::PickLimits;
@@ -23,19 +24,19 @@ pub fn run(
     limits: PickLimits,
 ) -> Result<(), UserError> {
     asked.check(&args.rig.at_one())?;
-    let base = rig(args, asked, &[])?;
+    let name = args.rig.name.name();
+    let (base, own_gap_m) = load(args, name, &[])?;
     let output = &args.output;
-    if base.gap_set_to_zero {
+    if own_gap_m.is_some() {
         output.note("note: picking at a gap of 0.0 mm (set --gap to choose another)");
     }
-    let base = base.rig;
     output.doubt(&base);
     let uncertainty = args.uncertainty.of(&base)?;
     let output = &output
         .about([&base])?
         .with_uncertainty(uncertainty.map(super::stated));
     let rigs = asked.values.list.iter();
-    let rigs = rigs.map(|value| rig(args, asked, &asked.setting(*value)).map(|there| there.rig));
+    let rigs = rigs.map(|value| load(args, name, &asked.setting(*value)).map(|(rig, _)| rig));
     let rigs: Vec<NamedRig> = rigs
         .collect::<Result<_, UserError>>()
         .map_err(|error| asked.at(error))?;
@@ -54,29 +55,6 @@ pub fn run(
     output.answer(&rows, &rows, picture, || text(asked, &rows, uncertainty))
 }
 
-/// A rig to pick for.
-struct There {
-    rig: NamedRig,
-    /// Whether its gap was another than 0.0 mm, and nobody asked for it.
-    gap_set_to_zero: bool,
-}
-
-/// The rig with `settings` on top, at 0.0 mm unless the command line says otherwise.
-fn rig(args: &Args, asked: &OverOption, settings: &[String]) -> Result<There, UserError> {
-    let rig_args = args.rig.at_one();
-    let loaded = rig_args.load_with(args.rig.name.name(), settings)?;
-    let mut rig = args.cart.apply(loaded)?;
-    let keeps = rig_args.sets_gap() || asked.key == "gap_mm";
-    let gap_set_to_zero = !keeps && rig.params.gap_m != 0.0;
-    if gap_set_to_zero {
-        rig.params.gap_m = 0.0;
-    }
-    Ok(There {
-        rig,
-        gap_set_to_zero,
-    })
-}
-
 /// A row for each rig; those that an earlier run of the same request has done are taken over.
 fn rows(
     args: &Args,
@@ -85,8 +63,7 @@ fn rows(
     (base, rigs): (&NamedRig, &[NamedRig]),
     (springs, limits): (Springs, PickLimits),
 ) -> Result<Vec<OverRow>, UserError> {
-    let request = serde_json::to_string(output.made_from());
-    let request = request.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+    let request = serde_json::to_string(output.made_from()).map_err(no_json)?;
     let dir = output.out.as_ref();
     let path = dir.map(|dir| dir.join(output.name(".unfinished")));
     let mut kept = Kept::open(path.clone(), &request)?;
@@ -122,32 +99,19 @@ fn text(asked: &OverOption, rows: &[OverRow], uncertainty: Option<Uncertainty>) 
         summary(rows),
         asked.key
     );
-    let every = rows.len().div_ceil(40).max(1);
-    for row in rows.iter().step_by(every) {
+    let (shown, left_out) = some_of(rows);
+    for row in shown {
         text += &line(row, uncertainty);
     }
-    if every > 1 {
-        text += &format!(
-            "(every {every} of {} rows; --format csv gives all)\n",
-            rows.len()
-        );
-    }
-    let along = |value: f64| match asked.values.log {
-        true => value.log10(),
-        false => value,
-    };
-    let axis = match asked.values.log {
-        true => format!("log10 of {}", asked.key),
-        false => asked.key.clone(),
-    };
+    text += &left_out;
     let curve = |value: fn(&OverRow) -> Option<f64>| {
         let points = rows
             .iter()
-            .filter_map(|r| Some((along(r.value), value(r)?)));
+            .filter_map(|r| Some((asked.along(r.value), value(r)?)));
         points.collect::<Vec<_>>()
     };
     let chart = |label: &str, value| {
-        Chart::new(axis.clone(), label)
+        Chart::new(asked.axis(), label)
             .size(72, 10)
             .series(label, curve(value))
             .render()
@@ -163,8 +127,6 @@ fn line(row: &OverRow, uncertainty: Option<Uncertainty>) -> String {
     if let Some(why) = &row.no_pick {
         return format!("{value:>26}  no pick: {why}\n");
     }
-    let number =
-        |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     // Frequency and force as far as the uncertainty leaves them open.
     let half = uncertainty.zip(row.operating_frequency_hz);
     let half = half.map_or(0.0, |(u, hz)| hz * u.natural_frequency_percent / 100.0);

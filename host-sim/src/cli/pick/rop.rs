@@ -1,16 +1,14 @@
 //! `pick --objective rop`: the frequency of the largest rate of penetration on ground that gives way.
 
-use std::path::Path;
-
 use serde::Serialize;
 
 use super::text::{decides, jumps, stable};
-use crate::cli::arguments::output::{OutputArgs, to_json};
-use crate::pictures::drawn;
+use super::write;
+use crate::cli::arguments::output::OutputArgs;
 use crate::pictures::rop::figure;
 use crate::progress::ProgressLine;
 use files::UserError;
-use files::table::{Selection, to_csv};
+use files::table::Selection;
 use files::words::digits::{decimals, significant};
 use numerics::CartModel;
 use numerics::NamedRig;
@@ -31,9 +29,15 @@ pub fn run(
         ground: &pick.ground,
         why: why(&pick),
     };
-    if let Some(dir) = &output.out {
-        write(output, dir, &pick, &value)?;
-    }
+    let point = |(hz, rate): &(f64, f64)| CurveRow {
+        rig: &pick.answer.rig,
+        gap_mm: pick.answer.gap_mm,
+        threshold_n: pick.ground.threshold_n,
+        frequency_hz: *hz,
+        rate_of_penetration_um_per_s: *rate,
+    };
+    let curve: Vec<_> = pick.curve.iter().map(point).collect();
+    write(output, &figure(&pick), &value, &curve)?;
     output.emit(&value, &[Selection::of(&value, COLUMNS)], || text(&pick))
 }
 
@@ -94,22 +98,6 @@ struct CurveRow<'a> {
     threshold_n: f64,
     frequency_hz: f64,
     rate_of_penetration_um_per_s: f64,
-}
-
-fn write(output: &OutputArgs, dir: &Path, pick: &RopPick, value: &Worded) -> Result<(), UserError> {
-    let name = output.name("");
-    let mut contents = drawn(&name, &figure(pick))?;
-    contents.push((format!("{name}.json"), to_json(value)?.into_bytes()));
-    let row = |(hz, rate): &(f64, f64)| CurveRow {
-        rig: &pick.answer.rig,
-        gap_mm: pick.answer.gap_mm,
-        threshold_n: pick.ground.threshold_n,
-        frequency_hz: *hz,
-        rate_of_penetration_um_per_s: *rate,
-    };
-    let rows: Vec<_> = pick.curve.iter().map(row).collect();
-    contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
-    output.write(dir, contents)
 }
 
 /// Frequencies are found to a hundred-thousandth of the natural one; with an uncertainty, a person needs two decimals.

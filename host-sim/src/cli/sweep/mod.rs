@@ -16,6 +16,7 @@ use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
 use crate::progress::ProgressLine;
+use crate::words::{number, some_of};
 use files::UserError;
 use files::table::to_csv;
 use numerics::error::MotionError;
@@ -164,8 +165,8 @@ fn describe(error: &MeasuredError) -> String {
 fn text(rows: &[RunRow]) -> String {
     let mut text = heading(rows) + "\n\n";
     text += "   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n";
-    let every = rows.len().div_ceil(40).max(1);
-    for row in rows.iter().step_by(every) {
+    let (shown, left_out) = some_of(rows);
+    for row in shown {
         text += &format!("{:>9.4} {:>8.4}   ", row.frequency_hz, row.frequency_ratio);
         text += &match why_failed(row) {
             Some(why) => format!("failed: {why}\n"),
@@ -174,17 +175,11 @@ fn text(rows: &[RunRow]) -> String {
                 row.outcome().to_string(),
                 row.force_ratio,
                 row.force_n,
-                row.approach_speed_m_per_s
-                    .map_or("-".to_owned(), |v| format!("{v:.5}"))
+                number(row.approach_speed_m_per_s, 5)
             ),
         };
     }
-    if every > 1 {
-        text += &format!(
-            "(every {every} of {} rows; --format csv gives all)\n",
-            rows.len()
-        );
-    }
+    text += &left_out;
     let curve = rows
         .iter()
         .filter(|r| !r.failed)

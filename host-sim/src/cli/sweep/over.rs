@@ -9,6 +9,7 @@ use crate::pictures::over::axis_label;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
 use crate::progress::ProgressLine;
+use crate::words::some_of;
 use files::UserError;
 use files::table::Selection;
 use files::words::digits::significant;
@@ -124,8 +125,8 @@ fn text(output: &OutputArgs, rig: &NamedRig, asked: &OverOption, rows: &[OverRow
         heading(rig, asked, rows),
         asked.key
     );
-    let every = rows.len().div_ceil(40).max(1);
-    for OverRow { value, row, .. } in rows.iter().step_by(every) {
+    let (shown, left_out) = some_of(rows);
+    for OverRow { value, row, .. } in shown {
         text += &format!(
             "{:>28} {:>9.4} {:>8.4}   ",
             significant(*value, 6),
@@ -142,30 +143,14 @@ fn text(output: &OutputArgs, rig: &NamedRig, asked: &OverOption, rows: &[OverRow
             ),
         };
     }
-    if every > 1 {
-        text += &format!(
-            "(every {every} of {} rows; --format csv gives all)\n",
-            rows.len()
-        );
-    }
+    text += &left_out;
     text.push('\n');
     if asked.values.log {
         output.note("note: the chart's axis is the logarithm of the parameter");
     }
-    let along = |value: f64| {
-        if asked.values.log {
-            value.log10()
-        } else {
-            value
-        }
-    };
-    let axis = match asked.values.log {
-        true => format!("log10 of {}", asked.key),
-        false => asked.key.clone(),
-    };
     let known = rows.iter().filter(|r| !r.row.failed);
-    let curve = known.map(|r| (along(r.value), r.row.force_n));
-    text + &Chart::new(axis, "contact force, N")
+    let curve = known.map(|r| (asked.along(r.value), r.row.force_n));
+    text + &Chart::new(asked.axis(), "contact force, N")
         .series("force", curve.collect())
         .render()
 }
