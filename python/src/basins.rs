@@ -1,12 +1,11 @@
 //! Basins of attraction.
 
 use numerics::basins::{Basins, BasinsRequest, StartWindow, cells, explore};
-use numpy::IntoPyArray;
 use pyo3::prelude::*;
 
 use crate::arguments::Keywords;
 use crate::error::{from_numerics, wrong};
-use crate::values::{fields, record};
+use crate::values::{fields, or_nan, put, record};
 
 #[pyfunction]
 pub fn basins(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
@@ -54,36 +53,24 @@ fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyAny>> 
     let found = fields(py, &basins.summary())?;
     let window = &basins.query.window;
     let x = rows.iter().take(window.columns).map(|r| r.displacement_mm);
-    let x: Vec<f64> = x.collect();
-    let v = rows
-        .iter()
-        .step_by(window.columns)
-        .map(|r| r.velocity_m_per_s);
-    found.set_item("start_displacement_mm", x.into_pyarray(py))?;
-    found.set_item(
+    put(&found, "start_displacement_mm", x)?;
+    let v = rows.iter().step_by(window.columns);
+    put(
+        &found,
         "start_velocity_m_per_s",
-        v.collect::<Vec<_>>().into_pyarray(py),
+        v.map(|r| r.velocity_m_per_s),
     )?;
-    found.set_item("which", basins.which.clone().into_pyarray(py))?;
-    let names: Vec<String> = basins
-        .attractors
-        .iter()
-        .map(|a| a.name.to_string())
-        .collect();
-    found.set_item("attractor_names", names)?;
-    let impact: Vec<bool> = rows.iter().map(|r| r.impact).collect();
-    found.set_item("impact", impact.into_pyarray(py))?;
-    let regime: Vec<String> = rows.iter().map(|r| r.regime.to_string()).collect();
-    found.set_item("regime", regime)?;
-    let known = |n: Option<u32>| n.map_or(f64::NAN, f64::from);
-    let force: Vec<f64> = rows
-        .iter()
-        .map(|r| r.force_ratio.unwrap_or(f64::NAN))
-        .collect();
-    found.set_item("force_ratio", force.into_pyarray(py))?;
-    let settled: Vec<f64> = rows.iter().map(|r| known(r.settled_after_cycles)).collect();
-    found.set_item("settled_after_cycles", settled.into_pyarray(py))?;
-    let last: Vec<f64> = rows.iter().map(|r| known(r.last_contact_cycle)).collect();
-    found.set_item("last_contact_cycle", last.into_pyarray(py))?;
+    put(&found, "which", basins.which.iter().copied())?;
+    let names = basins.attractors.iter().map(|a| a.name.to_string());
+    found.set_item("attractor_names", names.collect::<Vec<_>>())?;
+    put(&found, "impact", rows.iter().map(|r| r.impact))?;
+    let regime = rows.iter().map(|r| r.regime.to_string());
+    found.set_item("regime", regime.collect::<Vec<_>>())?;
+    let force = rows.iter().map(|r| or_nan(r.force_ratio));
+    put(&found, "force_ratio", force)?;
+    let settled = rows.iter().map(|r| or_nan(r.settled_after_cycles));
+    put(&found, "settled_after_cycles", settled)?;
+    let last = rows.iter().map(|r| or_nan(r.last_contact_cycle));
+    put(&found, "last_contact_cycle", last)?;
     record(found)
 }

@@ -21,29 +21,30 @@ mod section;
 mod values;
 mod work;
 
-use pyo3::prelude::*;
+use pyo3::pymodule;
 
 #[pymodule]
-fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<rig::PythonRig>()?;
-    module.add_function(wrap_pyfunction!(rig::presets, module)?)?;
-    module.add_function(wrap_pyfunction!(run::simulate, module)?)?;
-    module.add_function(wrap_pyfunction!(run::sweep, module)?)?;
-    module.add_function(wrap_pyfunction!(pick::pick, module)?)?;
-    module.add_function(wrap_pyfunction!(map::map, module)?)?;
-    module.add_function(wrap_pyfunction!(basins::basins, module)?)?;
-    module.add_function(wrap_pyfunction!(bifurcation::bifurcation, module)?)?;
-    module.add_function(wrap_pyfunction!(orbits::orbits, module)?)?;
-    module.add_function(wrap_pyfunction!(section::poincare, module)?)?;
-    module.add_function(wrap_pyfunction!(section::lyapunov, module)?)?;
-    module.add_function(wrap_pyfunction!(contact::contact, module)?)?;
-    module.add_function(wrap_pyfunction!(contact::drop, module)?)?;
-    module.add_function(wrap_pyfunction!(contact::identify, module)?)?;
-    module.add_function(wrap_pyfunction!(contact::compare, module)?)?;
-    module.add_function(wrap_pyfunction!(modes::modes, module)?)?;
-    module.add_function(wrap_pyfunction!(drill::drill, module)?)?;
-    module.add_function(wrap_pyfunction!(emulate::emulate, module)?)?;
-    module.add_function(wrap_pyfunction!(emulate::scenarios, module)?)?;
-    Ok(())
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::{
+        basins::basins,
+        bifurcation::bifurcation,
+        contact::{compare, contact, drop, identify},
+        drill::drill,
+        emulate::{emulate, scenarios},
+        map::map,
+        modes::modes,
+        orbits::orbits,
+        pick::pick,
+        rig::{PythonRig, presets},
+        run::{simulate, sweep},
+        section::{lyapunov, poincare},
+    };
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

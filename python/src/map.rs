@@ -3,15 +3,14 @@
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Grid, Map, MapCell, MapRequest, MapSummary, Runner, run};
+use numerics::map::{Grid, Map, MapRequest, MapSummary, Runner, run};
 use numerics::row::tidy;
-use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments::{Keywords, direction, rising};
 use crate::error::from_numerics;
-use crate::values::{object, record};
+use crate::values::{object, or_nan, put, record};
 
 fn request(asked: &Keywords<'_>) -> PyResult<MapRequest> {
     let rig = asked.rig()?;
@@ -74,11 +73,11 @@ fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bou
     found.set_item("recorded", request.plan.recorded)?;
     found.set_item("settle", request.settle)?;
     found.set_item("summary", object(py, &MapSummary::of(map))?)?;
-    found.set_item("gap_mm", map.grid.gaps_mm.clone().into_pyarray(py))?;
-    found.set_item("gap_ratio", map.gap_ratios().into_pyarray(py))?;
-    let hz = map.grid.frequencies_hz.clone();
-    found.set_item("frequency_hz", hz.into_pyarray(py))?;
-    found.set_item("frequency_ratio", map.frequency_ratios().into_pyarray(py))?;
+    put(&found, "gap_mm", map.grid.gaps_mm.iter().copied())?;
+    put(&found, "gap_ratio", map.gap_ratios())?;
+    let hz = map.grid.frequencies_hz.iter().copied();
+    put(&found, "frequency_hz", hz)?;
+    put(&found, "frequency_ratio", map.frequency_ratios())?;
     let cells = &map.cells;
     // Hundreds of thousands of cells have some tens of regimes: names once, and which cell has which.
     let mut names: Vec<String> = Vec::new();
@@ -92,28 +91,19 @@ fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bou
         }));
     }
     found.set_item("regime_names", names)?;
-    found.set_item("regime_index", which.into_pyarray(py))?;
-    let each = |of: fn(&MapCell) -> f64| -> Vec<f64> { cells.iter().map(of).collect() };
-    let known = |n: Option<f64>| n.unwrap_or(f64::NAN);
-    let impacts: Vec<u16> = cells.iter().map(|c| c.regime.impacts()).collect();
-    found.set_item("impacts", impacts.into_pyarray(py))?;
-    let periods = cells
-        .iter()
-        .map(|c| known(c.regime.periods().map(f64::from)));
-    found.set_item("periods", periods.collect::<Vec<_>>().into_pyarray(py))?;
-    let ratios: Vec<f64> = (0..cells.len()).map(|i| map.force_ratio(i)).collect();
-    found.set_item("force_ratio", ratios.into_pyarray(py))?;
-    found.set_item("force_n", each(|c| c.force_n).into_pyarray(py))?;
-    let settled = cells.iter().map(|c| known(c.settled_after.map(f64::from)));
-    found.set_item(
-        "settling_cycles",
-        settled.collect::<Vec<_>>().into_pyarray(py),
-    )?;
-    let searched: Vec<u8> = cells.iter().map(|c| c.searched).collect();
-    found.set_item("largest_period_searched", searched.into_pyarray(py))?;
-    let uncertain: Vec<bool> = cells.iter().map(|c| c.uncertain).collect();
-    found.set_item("uncertain", uncertain.into_pyarray(py))?;
-    let failed: Vec<bool> = cells.iter().map(|c| c.failed).collect();
-    found.set_item("failed", failed.into_pyarray(py))?;
+    put(&found, "regime_index", which)?;
+
+    put(&found, "impacts", cells.iter().map(|c| c.regime.impacts()))?;
+    let periods = cells.iter().map(|c| or_nan(c.regime.periods()));
+    put(&found, "periods", periods)?;
+    let ratios = (0..cells.len()).map(|i| map.force_ratio(i));
+    put(&found, "force_ratio", ratios)?;
+    put(&found, "force_n", cells.iter().map(|c| c.force_n))?;
+    let settled = cells.iter().map(|c| or_nan(c.settled_after));
+    put(&found, "settling_cycles", settled)?;
+    let searched = cells.iter().map(|c| c.searched);
+    put(&found, "largest_period_searched", searched)?;
+    put(&found, "uncertain", cells.iter().map(|c| c.uncertain))?;
+    put(&found, "failed", cells.iter().map(|c| c.failed))?;
     record(found)
 }

@@ -5,12 +5,11 @@ use files::words::pick::WordedPick;
 use numerics::PickLimits;
 use numerics::pick::{Springs, pick_on, steps};
 use numerics::uncertainty::Stated;
-use numpy::IntoPyArray;
 use pyo3::prelude::*;
 
 use crate::arguments::Keywords;
 use crate::error::{from_numerics, from_user, wrong};
-use crate::values::{fields, record};
+use crate::values::{fields, put, record};
 
 #[pyfunction]
 pub fn pick(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
@@ -52,8 +51,8 @@ pub fn pick(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
         pick_on(&rig, Springs::default(), uncertainty, limits, watch)
     })?;
     let answer = fields(py, &WordedPick::from(&found.answer))?;
-    let (hz, force): (Vec<f64>, Vec<f64>) = found.curve.iter().copied().unzip();
-    answer.set_item("curve_frequency_hz", hz.into_pyarray(py))?;
-    answer.set_item("curve_force_ratio", force.into_pyarray(py))?;
+    let curve = found.curve.iter();
+    put(&answer, "curve_frequency_hz", curve.clone().map(|at| at.0))?;
+    put(&answer, "curve_force_ratio", curve.map(|at| at.1))?;
     record(answer)
 }

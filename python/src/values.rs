@@ -1,5 +1,6 @@
 //! Values as Python objects: structures as records or dictionaries, rows as tables.
 
+use numpy::{Element, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use pythonize::pythonize;
@@ -50,4 +51,18 @@ pub fn table<'py, T: Serialize>(py: Python<'py>, rows: &[T]) -> PyResult<Bound<'
         }
     }
     class(py, "Table")?.call1((columns,))
+}
+
+/// Puts values into a record, as an array.
+pub fn put<'py, T: Element>(
+    found: &Bound<'py, PyDict>,
+    name: &str,
+    values: impl IntoIterator<Item = T>,
+) -> PyResult<()> {
+    found.set_item(name, PyArray1::from_iter(found.py(), values))
+}
+
+/// A number that is not always there: NaN where it is not.
+pub fn or_nan(number: Option<impl Into<f64>>) -> f64 {
+    number.map_or(f64::NAN, Into::into)
 }

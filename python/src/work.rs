@@ -1,7 +1,7 @@
 //! Long work beside the interpreter: on threads of its own, while the calling thread looks for Ctrl-C and reports.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use numerics::Error;
@@ -33,31 +33,6 @@ impl Progress for Watch {
     }
 }
 
-/// Where the working thread puts its answer.
-struct Place<T> {
-    answer: Mutex<Option<T>>,
-    there: Condvar,
-}
-
-impl<T> Place<T> {
-    fn put(&self, answer: T) {
-        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
-        self.there.notify_one();
-    }
-
-    fn is_empty(&self) -> bool {
-        let answer = self.answer.lock();
-        answer.unwrap_or_else(PoisonError::into_inner).is_none()
-    }
-
-    /// The answer if it comes within [`LOOK`].
-    fn wait(&self) -> Option<T> {
-        let empty = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.there.wait_timeout_while(empty, LOOK, |a| a.is_none());
-        waited.unwrap_or_else(PoisonError::into_inner).0.take()
-    }
-}
-
 /// How work is done: on how many threads, and who hears of it.
 pub struct How<'py> {
     /// Threads; none: one for each processor.
@@ -82,26 +57,30 @@ impl<'py> How<'py> {
             Some(threads) => Some(pool(threads)?),
         };
         let watch = Watch::default();
-        let place = Place {
-            answer: Mutex::new(None),
-            there: Condvar::new(),
-        };
+        let (put, mut place) = mpsc::channel();
         let answer = std::thread::scope(|scope| {
-            let (watched, pool, place) = (&watch, pool.as_ref(), &place);
-            let worker = scope.spawn(move || {
-                place.put(match pool {
+            let (watched, pool) = (&watch, pool.as_ref());
+            scope.spawn(move || {
+                // Somebody waits for it until it is there.
+                let _ = put.send(match pool {
                     Some(pool) => pool.install(|| work(watched)),
                     None => work(watched),
                 });
             });
             let mut raised = None;
             loop {
-                if let Some(answer) = py.detach(|| place.wait()) {
-                    return raised.map_or(Ok(answer), Err);
-                }
-                if worker.is_finished() && place.is_empty() {
+                let heard;
+                (place, heard) = py.detach(move || {
+                    let heard = place.recv_timeout(LOOK);
+                    (place, heard)
+                });
+                match heard {
+                    Ok(answer) => return raised.map_or(Ok(answer), Err),
                     // It panicked, which the end of the scope passes on.
-                    return Err(wrong("the computation broke off; please report it"));
+                    Err(RecvTimeoutError::Disconnected) => {
+                        return Err(wrong("the computation broke off; please report it"));
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
                 }
                 if raised.is_some() {
                     continue;

@@ -11,20 +11,12 @@ use crate::{
     firmware, python, tools,
 };
 
-/// What every change is checked with.
-pub const SHORT: &[&str] = &["--short"];
 /// States in which each instruction of the image is compared with Unicorn's: at every change, and if nothing is said.
 pub const FEW_STATES: &str = "1";
-const STATES: &str = "4";
+pub const STATES: &str = "4";
 
-/// Builds the image and the model, and runs the one in the other; `words` go to the model. With `--oracle` the model's processor is
-/// compared with another.
-pub fn run(words: &[&str], build: &Build) -> JobResult {
-    match words {
-        ["--oracle"] => return compare(STATES, build, &oracle()?),
-        ["--oracle", states] => return compare(states, build, &oracle()?),
-        _ => {}
-    }
+/// Builds the image and the model, and runs the one in the other; `words` go to the model.
+pub fn run(words: &[String], build: &Build) -> JobResult {
     firmware::build_named(boards::NUCLEO)?;
     let mut board = Command::new(desktop::program("board", build)?);
     board.current_dir(command::root());

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use crate::{JobResult, command};
 
 /// The board whose image is flashed and run in the model of the board.
@@ -10,11 +12,14 @@ pub const NUCLEO: &str = "nucleo";
 pub const QEMU: &str = "qemu";
 
 /// A board as its `board.toml` describes it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "kebab-case")]
 pub struct BuiltBoard {
     /// Its folder's name, which is also that on the command line.
+    #[serde(skip)]
     pub name: String,
     /// Its name for people.
+    #[serde(rename = "name")]
     pub title: String,
     /// The programs built for it.
     pub programs: Vec<String>,
@@ -39,21 +44,10 @@ impl BuiltBoard {
             .map_err(|e| format!("{}: {e}", path.display()).into())
     }
 
-    fn parse(name: &str, text: &str) -> Result<Self, String> {
-        let table: toml::Table = text.parse().map_err(|e| format!("{e}"))?;
-        let text = |key: &str| table.get(key).and_then(toml::Value::as_str);
-        let flip_link = table.get("flip-link").and_then(toml::Value::as_bool);
-        let programs = table.get("programs").and_then(toml::Value::as_array);
-        let programs: Option<Vec<String>> = programs
-            .filter(|programs| !programs.is_empty())
-            .and_then(|all| all.iter().map(|one| Some(one.as_str()?.into())).collect());
-        Ok(Self {
-            name: name.into(),
-            title: text("name").ok_or("`name` is missing")?.into(),
-            programs: programs.ok_or("`programs` must be a list of names")?,
-            flip_link: flip_link.ok_or("`flip-link` must be true or false")?,
-            chip: text("chip").map(Into::into),
-        })
+    fn parse(name: &str, text: &str) -> Result<Self, toml::de::Error> {
+        let board = toml::from_str(text)?;
+        let name = name.into();
+        Ok(Self { name, ..board })
     }
 }
 
@@ -142,6 +136,7 @@ mod tests {
             ("flip-link = true\n", "`flip-link`"),
         ] {
             let error = BuiltBoard::parse("a", &good.replace(without, "")).unwrap_err();
+            let error = error.to_string();
             assert!(error.contains(named), "{error}");
         }
     }

@@ -15,12 +15,6 @@ pub struct BudgetLine {
     pub budget: u64,
 }
 
-impl BudgetLine {
-    fn kept(&self) -> bool {
-        self.measured <= self.budget
-    }
-}
-
 /// The budgets, as the file has them.
 pub struct Budgets(toml::Table);
 
@@ -76,7 +70,7 @@ pub fn enforce(lines: &[BudgetLine]) -> JobResult {
     }
     let over: Vec<_> = lines
         .iter()
-        .filter(|line| !line.kept())
+        .filter(|line| line.measured > line.budget)
         .map(|line| {
             format!(
                 "{} takes {} of {}, {} allowed",

@@ -9,6 +9,8 @@ use std::{
     process::{Child, Command, Stdio},
 };
 
+use clap::Args;
+
 use crate::{
     JobResult,
     boards::{self, BuiltBoard},
@@ -22,17 +24,19 @@ use crate::{
 /// A step ends with a remark for the summary, often empty.
 type Step = (&'static str, fn() -> JobResult<String>);
 
-/// The part of the checks that is run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CheckPart {
-    /// Every part, side by side.
-    All,
-    /// What needs no microcontroller.
-    Host,
-    /// What needs one, or QEMU.
-    Firmware,
-    /// What people read, and what needs a browser.
-    Pages,
+/// The part of the checks that is run; every part, side by side, where none is chosen.
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq)]
+#[group(multiple = false)]
+pub struct CheckPart {
+    /// What needs no microcontroller
+    #[arg(long)]
+    pub host: bool,
+    /// What needs one, or QEMU
+    #[arg(long)]
+    pub firmware: bool,
+    /// What people read, and what needs a browser
+    #[arg(long)]
+    pub pages: bool,
 }
 
 /// The step before the parts: lists the tools that are there.
@@ -62,9 +66,7 @@ const HOST: &[Step] = &[
         ))
     }),
     ("tests, host", host_tests),
-    ("release archive", || {
-        silent(dist::run(&dist::DistPlan::Check, &Build::Tested))
-    }),
+    ("release archive", || silent(dist::check(&Build::Tested))),
 ];
 
 const PAGES: &[Step] = &[
@@ -97,13 +99,20 @@ const FIRMWARE: &[Step] = &[
         silent(pil::PilPlan::checks().iter().try_for_each(run))
     }),
     ("image in the model of the board", || {
-        silent(crate::board::run(crate::board::SHORT, &Build::Tested))
+        silent(crate::board::run(&["--short".into()], &Build::Tested))
     }),
     ("model's processor against Unicorn", oracle),
 ];
 
 fn silent(outcome: JobResult) -> JobResult<String> {
     outcome.map(|()| String::new())
+}
+
+/// The remark of a step that this machine does without.
+pub fn skipped(why: impl std::fmt::Display) -> JobResult<String> {
+    let remark = format!("skipped: {why}");
+    println!("{remark}");
+    Ok(remark.lines().next().unwrap_or_default().into())
 }
 
 /// A machine that cannot have Unicorn does without.
@@ -114,11 +123,7 @@ fn oracle() -> JobResult<String> {
             &Build::Tested,
             &oracle,
         )),
-        Err(error) => {
-            let remark = format!("skipped: {error}");
-            println!("{remark}");
-            Ok(remark.lines().next().unwrap_or_default().into())
-        }
+        Err(error) => skipped(error),
     }
 }
 
@@ -128,9 +133,7 @@ fn page() -> JobResult<String> {
     let lacking = lacking.or_else(|| tools::chromium().err());
     let lacking = lacking.or_else(|| crate::web::environment().err());
     if let Some(error) = lacking {
-        let remark = format!("skipped: {error}");
-        println!("{remark}");
-        return Ok(remark.lines().next().unwrap_or_default().into());
+        return skipped(error);
     }
     silent(crate::web::test(&[], &Build::Tested))
 }
@@ -138,9 +141,7 @@ fn page() -> JobResult<String> {
 /// Known faults are not looked up: they are fetched from the network, and may be new without any change here.
 fn dependencies() -> JobResult<String> {
     if command::find("cargo-deny").is_none() {
-        let remark = "skipped: no cargo-deny here; type: cargo install --locked cargo-deny";
-        println!("{remark}");
-        return Ok(remark.into());
+        return skipped("no cargo-deny here; type: cargo install --locked cargo-deny");
     }
     let mut deny = cargo();
     silent(command::run(
@@ -180,12 +181,12 @@ struct Row {
 }
 
 /// Runs a part, and says in the end what each step took.
-pub fn run(part: CheckPart) -> JobResult {
+pub fn run(part: &CheckPart) -> JobResult {
     match part {
-        CheckPart::All => side_by_side(),
-        CheckPart::Host => steps(&[HOST, PYTHON, PAGES].concat()),
-        CheckPart::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
-        CheckPart::Pages => steps(PAGES),
+        CheckPart { host: true, .. } => steps(&[HOST, PYTHON, PAGES].concat()),
+        CheckPart { firmware: true, .. } => steps(&[&[TOOLS], FIRMWARE].concat()),
+        CheckPart { pages: true, .. } => steps(PAGES),
+        _ => side_by_side(),
     }
 }
 

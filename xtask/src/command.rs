@@ -3,7 +3,7 @@
 use std::{
     ffi::OsStr,
     io::{BufRead, BufReader},
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     sync::{
         Arc,
@@ -59,7 +59,7 @@ pub fn announce(command: &Command) {
 
 /// The program's file name, for messages.
 fn program(command: &Command) -> String {
-    let name = std::path::Path::new(command.get_program()).file_name();
+    let name = Path::new(command.get_program()).file_name();
     name.unwrap_or(command.get_program())
         .to_string_lossy()
         .into_owned()
@@ -182,27 +182,23 @@ pub fn output(command: &mut Command) -> JobResult<String> {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
-    let reason = lines()
-        .find(|line| line.starts_with("E:"))
-        .or_else(|| lines().next_back());
-    Err(reason
-        .map_or_else(
-            || format!("{program} ended with {}", output.status),
-            |reason| reason.trim_start_matches("E:").trim().into(),
-        )
-        .into())
+    let mut lines = said.lines().map(str::trim).rev();
+    let reason = lines.find(|line| !line.is_empty());
+    let ended = || format!("{program} ended with {}", output.status);
+    Err(reason.map_or_else(ended, str::to_owned).into())
 }
 
 /// A program's standard output, trimmed; `None` if it is not there or fails.
 pub fn ask(command: &mut Command) -> Option<String> {
-    let output = command
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
+    output(command).ok().map(|text| text.trim().to_owned())
+}
+
+/// Removes a folder with all that is in it, if it is there.
+pub fn remove_folder(folder: &Path) -> JobResult {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder)?;
+    }
+    Ok(())
 }
 
 /// Finds a program in the path.
@@ -225,9 +221,8 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_told_by_apts_error() {
-        let script =
-            "echo 'W: slow' >&2; echo 'E: no such package' >&2; echo 'W: more' >&2; exit 100";
+    fn a_failure_is_told_by_the_last_line_of_what_went_wrong() {
+        let script = "echo 'slow' >&2; echo 'no such package' >&2; echo >&2; exit 100";
         let error = output(Command::new("sh").args(["-c", script])).unwrap_err();
         assert_eq!(error.to_string(), "no such package");
     }

@@ -1,15 +1,13 @@
 //! A whole forecast on the microcontroller's instruction set: what it costs, and that it finds, bit for
 //! bit, what the same code finds here.
 
-use std::collections::BTreeMap;
-
 use shared::{
     forecast::{Forecast, ForecastRequest, Forecaster},
     model::cart::{ASSUMED_SHAKER, CartDrive},
     model::params::{RigParams, WIRES},
 };
 
-use crate::{JobResult, firmware, qemu};
+use crate::{JobResult, qemu::Said};
 
 /// The carts of the forecasts, and the instructions that each may cost in all. One that recoils rings after each contact, in
 /// shorter steps, and has twice as many derivatives.
@@ -17,31 +15,6 @@ const CARTS: [(&str, CartDrive, u64); 2] = [
     ("prescribed", CartDrive::Prescribed, 200_000_000),
     ("recoil", CartDrive::Loop(ASSUMED_SHAKER), 600_000_000),
 ];
-
-/// What the program said: a word and a number per line.
-#[derive(Debug)]
-struct Said(BTreeMap<String, u64>);
-
-impl Said {
-    fn read(lines: &[String]) -> JobResult<Self> {
-        if !lines.iter().any(|line| line == "end") {
-            return Err("the forecast did not get to its end".into());
-        }
-        let pairs = lines.iter().filter_map(|line| line.split_once(' '));
-        let numbers =
-            pairs.filter_map(|(word, number)| Some((word.to_owned(), number.parse().ok()?)));
-        Ok(Self(numbers.collect()))
-    }
-
-    fn number(&self, word: &str) -> JobResult<u64> {
-        let number = self.0.get(word).copied();
-        number.ok_or_else(|| format!("the forecast did not say `{word}`").into())
-    }
-
-    fn instructions(&self, word: &str) -> JobResult<u64> {
-        Ok(self.number(word)? * self.number("nanoseconds")?)
-    }
-}
 
 /// The forecast that QEMU runs for such a cart, computed on this machine.
 fn here(cart: CartDrive) -> JobResult<Forecast> {
@@ -54,8 +27,7 @@ fn here(cart: CartDrive) -> JobResult<Forecast> {
 
 /// Runs the forecasts in QEMU, prints what they cost, and compares what they found. The firmware is built.
 pub fn run() -> JobResult {
-    let lines = qemu::start(&firmware::image("forecast"), &["-icount", "shift=0"], false)?;
-    let said = Said::read(&lines)?;
+    let said = Said::by("forecast")?;
     println!(
         "\nforecasts of 40 rows, wires at 0.0 mm, 0.75 to 2.9 times the natural frequency; {} bytes:",
         said.number("bytes")?
@@ -96,30 +68,4 @@ fn compare(said: &Said, name: &str, cart: CartDrive, budget: u64) -> JobResult {
         return Err(format!("the {name} forecast takes more than {budget} instructions").into());
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn said(text: &str) -> JobResult<Said> {
-        Said::read(&text.lines().map(str::to_owned).collect::<Vec<_>>())
-    }
-
-    #[test]
-    fn counts_become_instructions_and_what_is_missing_is_named() {
-        let said = said("nanoseconds 40\ntotal 5\nhello there\nend").unwrap();
-        assert_eq!(said.instructions("total").unwrap(), 200);
-        assert!(
-            said.number("worst")
-                .unwrap_err()
-                .to_string()
-                .contains("worst")
-        );
-    }
-
-    #[test]
-    fn a_run_cut_short_is_an_error() {
-        assert!(said("nanoseconds 40").is_err());
-    }
 }

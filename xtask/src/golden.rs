@@ -71,9 +71,7 @@ fn requests() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub fn run(write: bool) -> JobResult {
     let program = desktop::released()?;
     let all = root().join("target/golden");
-    if all.exists() {
-        fs::remove_dir_all(&all)?;
-    }
+    command::remove_folder(&all)?;
     let mut sums = BTreeMap::new();
     for (name, request) in requests() {
         let folder = all.join(name);

@@ -1,24 +1,6 @@
 //! The caretaker: checks a change, builds the firmware, runs it in QEMU.
 //!
-//! ```text
-//! cargo xtask test          everything that must hold before a change is done
-//! cargo xtask tools         gets the tools that checks and builds need, and lists them
-//! cargo xtask firmware      builds the firmware
-//! cargo xtask qemu          runs it in QEMU
-//! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
-//! cargo xtask board         runs the board's image in a model of the board, in a closed loop and through its faults
-//! cargo xtask python        builds the Python package and tests it against the command line
-//! cargo xtask dist          builds what is handed out: archive, wheel, checksums
-//! cargo xtask site          builds the site: the pages of docs/, documentation of the code
-//! cargo xtask web           builds the page; with --test also tests it in a browser
-//! cargo xtask lab           builds the page and the program with it, and opens it
-//! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
-//! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
-//! cargo xtask first-answer  times a build from nothing and the first answer
-//! cargo xtask golden        compares the answers of a list of requests with those before
-//! cargo xtask msrv          checks the workspace with the oldest Rust it supports
-//! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
-//! ```
+//! `cargo xtask help` lists its jobs: those of [`Job`].
 
 mod board;
 mod boards;
@@ -51,189 +33,171 @@ mod web;
 
 use std::process::ExitCode;
 
+use clap::Parser;
+
 use checks::CheckPart;
+use desktop::Build;
 
 /// What a caretaker's job ends with; the error is meant to be read by a person.
 pub type JobResult<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-const HELP: &str = "\
-cargo xtask COMMAND
-
-  test [--host | --firmware]  everything that must hold before a change is done, or one part of it;
-                              unpacks the tools it lacks on Debian, else says what to install
-  tools                       get the tools that checks and builds need, and list them
-  firmware [--board BOARD]    build the firmware; BOARD is a folder of firmware/src/hardware (default: every one)
-  qemu                        run the firmware in QEMU; its verdict is the exit code
-  pil [--scenario NAME] [--seconds S] [--runs N]
-                              run the firmware's image under QEMU in a closed loop with the emulator's plant,
-                              and compare its every output with the desktop's, bit for bit
-                              (default: the field scenario, once, as long as it is)
-  board [--short | --mutants | --oracle [STATES]] [--seconds S] [WORDS]
-                              run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
-                              the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name;
-                              --mutants runs it with one mistake in its set-up after another: each must be caught;
-                              --oracle compares the model's processor with Unicorn's, each instruction of the image in so
-                              many random states (default: 4; needs Python and the network once)
-  python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
-  dist [--check]              build what is handed out into target/dist: archive, Python wheel, page, checksums; try the
-                              wheel in an environment of its own; with --check only pack the program of the tests,
-                              twice, and look at the archive
-  site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
-                              documentation of the crates and of the Python package, the chapter's figures (five
-                              minutes on two cores) and the page; with --check the pages alone (Sphinx makes them: needs
-                              Python, and the network once)
-  web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
-                              compares its numbers with host-sim's; WORDS go to pytest
-  lab [--board PORT] [OPTIONS]
-                              build the page and the program with it, and run `host-sim lab`; with a board,
-                              `host-sim link PORT --page`; OPTIONS (such as --no-open) go to the program
-  bench-ticks                 count the instructions of each tick of the model and of a
-                              forecast, under QEMU; the forecast must be this machine's
-  size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
-  first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
-                              ten dearest crates
-  speed                       processor time of pick, map, trials and others as multiples of one reference run's, against
-                              bounds; added to target/speed.csv, too
-  golden [--write]            ask a fixed list of requests and compare every table and JSON with the check sums in
-                              xtask/golden.txt: for a change that is to change no answer; --write writes them anew
-  msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
-                              with --version only print which that is
-  flash [--board BOARD]       build for the NUCLEO-F446RE (or another board), flash it and show its log
-";
-
-/// A parsed command line.
-#[derive(Debug, PartialEq)]
+/// A job for the caretaker.
+#[derive(Debug, PartialEq, Parser)]
+#[command(name = "xtask", bin_name = "cargo xtask")]
 enum Job {
-    Help,
+    /// Everything that must hold before a change is done, or one part of it
+    ///
+    /// Unpacks the tools it lacks on Debian, else says what to install.
     Test(CheckPart),
+    /// Get the tools that checks and builds need, and list them
     Tools,
-    Firmware(Vec<boards::BuiltBoard>),
+    /// Build the firmware
+    Firmware {
+        /// A folder of firmware/src/hardware (default: every one)
+        #[arg(long, value_parser = board_named)]
+        board: Option<boards::BuiltBoard>,
+    },
+    /// Run the firmware in QEMU; its verdict is the exit code
     Qemu,
+    /// Run the firmware's image under QEMU in a closed loop with the emulator's plant
+    ///
+    /// Compares its every output with the desktop's, bit for bit.
     Pil(pil::PilPlan),
-    Board(Vec<String>),
-    Python(Vec<String>),
-    Dist(dist::DistPlan),
-    /// Whether the pages alone are built.
-    Site(bool),
-    Web,
-    WebTest(Vec<String>),
-    Lab(Vec<String>),
+    /// Run the image for the NUCLEO-F446RE in a model of that board
+    ///
+    /// Boots, the closed loop with the emulator's plant (60 s), faults, power cuts. With --mutants it runs with one mistake in
+    /// its set-up after another: each must be caught. Other options: --short, --seconds S.
+    Board {
+        /// Compare the model's processor with Unicorn's, each instruction of the image in so many random states
+        ///
+        /// Needs Python, and the network once.
+        #[arg(long, value_name = "STATES", num_args = 0..=1, default_missing_value = board::STATES)]
+        oracle: Option<String>,
+        /// Only what has one of these words in its name, and the options above
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<String>,
+    },
+    /// Build the Python package into target/python, and run its tests
+    Python {
+        /// For pytest
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<String>,
+    },
+    /// Build what is handed out into target/dist: archive, Python wheel, page, checksums
+    ///
+    /// Tries the wheel in an environment of its own.
+    Dist {
+        /// Only pack the program of the tests, twice, and look at the archive
+        #[arg(long)]
+        check: bool,
+    },
+    /// Build the site into target/site
+    ///
+    /// The pages of docs/ with their links followed, the documentation of the crates and of the Python package, the chapter's
+    /// figures (five minutes on two cores) and the page.
+    Site {
+        /// The pages alone (Sphinx makes them: needs Python, and the network once)
+        #[arg(long)]
+        check: bool,
+    },
+    /// Build the page into target/web/index.html
+    Web {
+        /// Run it in headless Chromium, too, and compare its numbers with host-sim's
+        #[arg(long)]
+        test: bool,
+        /// For pytest
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, requires = "test")]
+        words: Vec<String>,
+    },
+    /// Build the page and the program with it, and run `host-sim lab`
+    Lab {
+        /// Run `host-sim link PORT --page` instead
+        #[arg(long, value_name = "PORT")]
+        board: Option<String>,
+        /// For the program, such as --no-open
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        options: Vec<String>,
+    },
+    /// Count the instructions of each tick of the model and of a forecast, under QEMU
+    ///
+    /// The forecast must be this machine's.
     BenchTicks,
+    /// Flash, RAM, stack and instructions per tick against firmware/budgets.toml
     Size,
-    FirstAnswer(first_answer::FirstAnswerPlan),
+    /// Build host-sim from nothing and run `pick`: wall and processor time of both, and where cargo shows each crate's
+    FirstAnswer,
+    /// Processor time of pick, map, trials and others as multiples of one reference run's, against bounds
+    ///
+    /// Added to target/speed.csv, too.
     Speed,
-    /// Whether the check sums are written anew.
-    Golden(bool),
-    Msrv,
-    OldestRust,
-    Flash(boards::BuiltBoard),
+    /// Ask a fixed list of requests and compare every table and JSON with the check sums in xtask/golden.txt
+    ///
+    /// For a change that is to change no answer.
+    Golden {
+        /// Write the check sums anew
+        #[arg(long)]
+        write: bool,
+    },
+    /// Check the workspace with the oldest Rust it supports, if that is installed
+    Msrv {
+        /// Only print which that is
+        #[arg(long)]
+        version: bool,
+    },
+    /// Build for a board, flash it and show its log
+    Flash {
+        /// A folder of firmware/src/hardware
+        #[arg(long, value_parser = board_named, default_value = boards::NUCLEO)]
+        board: boards::BuiltBoard,
+    },
 }
 
-fn parse(args: &[&str]) -> Result<Job, String> {
-    let named = |name| boards::named(name).map_err(|error| error.to_string());
-    match args {
-        [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
-        ["test"] => Ok(Job::Test(CheckPart::All)),
-        ["test", "--host"] => Ok(Job::Test(CheckPart::Host)),
-        ["test", "--firmware"] => Ok(Job::Test(CheckPart::Firmware)),
-        // For `test` itself.
-        ["test", "--pages"] => Ok(Job::Test(CheckPart::Pages)),
-        ["tools"] => Ok(Job::Tools),
-        ["firmware"] => boards::all().map(Job::Firmware).map_err(|e| e.to_string()),
-        ["firmware", "--board", name] => named(name).map(|board| Job::Firmware(vec![board])),
-        ["qemu"] => Ok(Job::Qemu),
-        ["pil", options @ ..] => pil::PilPlan::parse(options).map(Job::Pil),
-        ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
-        ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
-        ["dist", options @ ..] => dist::DistPlan::parse(options).map(Job::Dist),
-        ["site"] => Ok(Job::Site(false)),
-        ["site", "--check"] => Ok(Job::Site(true)),
-        ["web"] => Ok(Job::Web),
-        ["web", "--test", words @ ..] => Ok(Job::WebTest(
-            words.iter().map(|&word| word.into()).collect(),
-        )),
-        ["lab", words @ ..] => Ok(Job::Lab(words.iter().map(|&word| word.into()).collect())),
-        ["first-answer", options @ ..] => {
-            first_answer::FirstAnswerPlan::parse(options).map(Job::FirstAnswer)
-        }
-        ["speed"] => Ok(Job::Speed),
-        ["golden"] => Ok(Job::Golden(false)),
-        ["golden", "--write"] => Ok(Job::Golden(true)),
-        ["msrv"] => Ok(Job::Msrv),
-        ["msrv", "--version"] => Ok(Job::OldestRust),
-        ["flash"] => named(boards::NUCLEO).map(Job::Flash),
-        ["flash", "--board", name] => named(name).map(Job::Flash),
-        ["bench-ticks"] => Ok(Job::BenchTicks),
-        ["size"] => Ok(Job::Size),
-        other => Err(format!(
-            "cannot make sense of `{}`; see `cargo xtask help`",
-            other.join(" ")
-        )),
-    }
+fn board_named(name: &str) -> Result<boards::BuiltBoard, String> {
+    boards::named(name).map_err(|error| error.to_string())
 }
 
 fn run(job: Job) -> JobResult {
+    const ALONE: Build = Build::Alone;
     match job {
-        Job::Help => print!("{HELP}"),
-        Job::Test(part) => checks::run(part)?,
+        Job::Test(part) => checks::run(&part)?,
         Job::Tools => tools::list()?,
-        Job::Firmware(boards) => {
-            for board in &boards {
-                for image in firmware::build(board)? {
+        Job::Firmware { board } => {
+            for board in board.map_or_else(boards::all, |board| Ok(vec![board]))? {
+                for image in firmware::build(&board)? {
                     println!("{}", image.display());
                 }
             }
         }
         Job::Qemu => drop(qemu::run()?),
-        Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
-        Job::Board(words) => {
-            let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            board::run(&words, &desktop::Build::Alone)?;
-        }
-        Job::Python(words) => {
-            let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            python::run(&words, &desktop::Build::Alone)?;
-        }
-        Job::Dist(plan) => dist::run(&plan, &desktop::Build::Alone)?,
-        Job::Site(check) => drop(site::run(check)?),
-        Job::Web => println!("{}", web::build()?.display()),
-        Job::WebTest(words) => {
-            let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            web::test(&words, &desktop::Build::Alone)?;
-        }
-        Job::Lab(words) => {
-            let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            web::lab(&words)?;
-        }
-        Job::FirstAnswer(plan) => first_answer::run(&plan)?,
-        Job::Speed => speed::run()?,
-        Job::Golden(write) => golden::run(write)?,
-        Job::Msrv => drop(msrv::run()?),
-        Job::OldestRust => println!("{}", msrv::OLDEST),
-        Job::Flash(board) => flash::run(&board)?,
+        Job::Pil(plan) => pil::run(&plan, &ALONE)?,
+        Job::Board { oracle, words } => match oracle {
+            Some(states) => board::compare(&states, &ALONE, &board::oracle()?)?,
+            None => board::run(&words, &ALONE)?,
+        },
+        Job::Python { words } => python::run(&words, &ALONE)?,
+        Job::Dist { check: true } => dist::check(&ALONE)?,
+        Job::Dist { check: false } => dist::whole()?,
+        Job::Site { check } => drop(site::run(check)?),
+        Job::Web { test: false, .. } => println!("{}", web::build()?.display()),
+        Job::Web { test: true, words } => web::test(&words, &ALONE)?,
+        Job::Lab { board, options } => web::lab(board, &options)?,
         Job::BenchTicks => {
             ticks::run()?;
             forecast::run()?;
         }
         Job::Size => size::run()?,
+        Job::FirstAnswer => first_answer::run()?,
+        Job::Speed => speed::run()?,
+        Job::Golden { write } => golden::run(write)?,
+        Job::Msrv { version: true } => println!("{}", msrv::OLDEST),
+        Job::Msrv { version: false } => drop(msrv::run()?),
+        Job::Flash { board } => flash::run(&board)?,
     }
     Ok(())
 }
 
 fn main() -> ExitCode {
-    if let Some(code) = timing::rustc() {
-        return code;
-    }
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let args: Vec<&str> = args.iter().map(String::as_str).collect();
-    let job = match parse(&args) {
-        Ok(job) => job,
-        Err(message) => {
-            eprintln!("error: {message}");
-            return ExitCode::from(2);
-        }
-    };
-    match run(job) {
+    match run(Job::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -244,10 +208,19 @@ fn main() -> ExitCode {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
+
+    fn parse(words: &[&str]) -> Result<Job, String> {
+        let words = ["xtask"].iter().chain(words);
+        Job::try_parse_from(words).map_err(|error| error.to_string())
+    }
 
     #[test]
     fn every_command_of_the_help_is_understood() {
+        Job::command().debug_assert();
+        let help = Job::command().render_help().to_string();
         for word in [
             "test",
             "tools",
@@ -269,7 +242,7 @@ mod tests {
             "flash",
         ] {
             assert!(
-                HELP.contains(&format!("\n  {word}")),
+                help.contains(&format!("\n  {word}")),
                 "{word} is not in the help"
             );
             assert!(parse(&[word]).is_ok(), "{word} is not understood");
@@ -278,29 +251,70 @@ mod tests {
 
     #[test]
     fn one_part_of_the_checks_can_be_chosen() {
-        assert_eq!(parse(&["test"]), Ok(Job::Test(CheckPart::All)));
-        assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(CheckPart::Host)));
-        assert_eq!(
-            parse(&["test", "--firmware"]),
-            Ok(Job::Test(CheckPart::Firmware))
-        );
+        let all = CheckPart::default();
+        let host = CheckPart { host: true, ..all };
+        let firmware = CheckPart {
+            firmware: true,
+            ..all
+        };
+        assert_eq!(parse(&["test"]), Ok(Job::Test(all)));
+        assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(host)));
+        assert_eq!(parse(&["test", "--firmware"]), Ok(Job::Test(firmware)));
+        assert!(parse(&["test", "--host", "--firmware"]).is_err());
         assert!(parse(&["test", "--half"]).is_err());
     }
 
     #[test]
     fn one_board_can_be_chosen() {
-        let nucleo = boards::named(boards::NUCLEO).unwrap();
-        assert_eq!(
-            parse(&["firmware", "--board", "nucleo"]),
-            Ok(Job::Firmware(vec![nucleo.clone()]))
-        );
-        let all = boards::all().unwrap();
-        assert_eq!(parse(&["firmware"]), Ok(Job::Firmware(all)));
-        assert_eq!(parse(&["flash"]), Ok(Job::Flash(nucleo.clone())));
-        assert_eq!(
-            parse(&["flash", "--board", "nucleo"]),
-            Ok(Job::Flash(nucleo))
-        );
+        let nucleo = || boards::named(boards::NUCLEO).unwrap();
+        let one = Job::Firmware {
+            board: Some(nucleo()),
+        };
+        assert_eq!(parse(&["firmware", "--board", "nucleo"]), Ok(one));
+        let every = Job::Firmware { board: None };
+        assert_eq!(parse(&["firmware"]), Ok(every));
+        for words in [&["flash"][..], &["flash", "--board", "nucleo"]] {
+            assert_eq!(parse(words), Ok(Job::Flash { board: nucleo() }));
+        }
+    }
+
+    #[test]
+    fn options_are_passed_on_to_the_programs() {
+        let words = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
+        let oracle = |states: Option<&str>| states.map(str::to_owned);
+        for (asked, states, passed) in [
+            (&["--short", "fault"][..], None, &["--short", "fault"][..]),
+            (
+                &["--mutants", "--seconds", "9"],
+                None,
+                &["--mutants", "--seconds", "9"],
+            ),
+            (&["--oracle"], Some(board::STATES), &[]),
+            (&["--oracle", "9"], Some("9"), &[]),
+        ] {
+            let board = Job::Board {
+                oracle: oracle(states),
+                words: words(passed),
+            };
+            assert_eq!(parse(&[&["board"], asked].concat()), Ok(board));
+        }
+        let test = Job::Web {
+            test: true,
+            words: words(&["-k", "site"]),
+        };
+        assert_eq!(parse(&["web", "--test", "-k", "site"]), Ok(test));
+        assert!(parse(&["web", "-k"]).is_err());
+        let lab = Job::Lab {
+            board: Some("port".into()),
+            options: words(&["--no-open"]),
+        };
+        assert_eq!(parse(&["lab", "--board", "port", "--no-open"]), Ok(lab));
+        let pytest = Job::Python {
+            words: words(&["-x", "--lf"]),
+        };
+        assert_eq!(parse(&["python", "-x", "--lf"]), Ok(pytest));
+        assert_eq!(parse(&["dist", "--check"]), Ok(Job::Dist { check: true }));
+        assert!(parse(&["dist", "--chek"]).unwrap_err().contains("--chek"));
     }
 
     #[test]

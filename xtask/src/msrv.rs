@@ -4,8 +4,9 @@ use std::process::Command;
 
 use crate::{
     JobResult,
+    checks::skipped,
     command::{self, cargo},
-    tools::toolchain::version_of,
+    tools::toolchain::{on_its_own, version_of},
 };
 
 /// As in the root's Cargo.toml.
@@ -14,11 +15,9 @@ pub const OLDEST: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Checks the workspace with that Rust where it is installed; else says that it did not. Returns a remark.
 pub fn run() -> JobResult<String> {
     let Some(mut cargo) = oldest_cargo() else {
-        let remark = format!(
-            "skipped: Rust {OLDEST} is not installed; type: rustup toolchain install --profile minimal {OLDEST}"
-        );
-        println!("{remark}");
-        return Ok(remark);
+        return skipped(format!(
+            "Rust {OLDEST} is not installed; type: rustup toolchain install --profile minimal {OLDEST}"
+        ));
     };
     cargo.args(["check", "--workspace", "--all-targets", "--locked"]);
     cargo.args(["--target-dir", "target/msrv"]);
@@ -36,15 +35,7 @@ fn oldest_cargo() -> Option<Command> {
     let name = toolchain(&toolchains)?;
     let mut command = Command::new("rustup");
     // What the cargo that started us has set is for its own Rust.
-    for variable in [
-        "RUSTUP_TOOLCHAIN",
-        "CARGO",
-        "RUSTC",
-        "RUSTDOC",
-        "LD_LIBRARY_PATH",
-    ] {
-        command.env_remove(variable);
-    }
+    on_its_own(&mut command);
     command.current_dir(command::root());
     command.args(["run", name, "cargo"]);
     Some(command)

@@ -10,6 +10,8 @@ use std::{
     time::Duration,
 };
 
+use clap::Args;
+
 use crate::{
     JobResult, boards,
     command::{self, announce},
@@ -23,69 +25,33 @@ use crate::{
 const AFTER: Duration = Duration::from_secs(20);
 
 /// Which scenario is run with the processor in the loop, and how often.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub struct PilPlan {
-    /// Scenario, by name or file.
+    /// Scenario, by name or file
+    #[arg(long, default_value = "field")]
     pub scenario: String,
-    /// Rig time of each run, s; `None`: the scenario's.
+    /// Rig time of each run, s; the scenario's if left out
+    #[arg(long)]
     pub seconds: Option<String>,
-    /// Runs, each with the next seed.
+    /// Runs, each with the next seed
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub runs: u32,
-}
-
-impl Default for PilPlan {
-    /// The field scenario, as long as it is.
-    fn default() -> Self {
-        Self {
-            scenario: "field".into(),
-            seconds: None,
-            runs: 1,
-        }
-    }
 }
 
 impl PilPlan {
     /// What every change is checked with: half of the field scenario, to Hold and on (90 s), a crash with the reset and
     /// the record after it (30 s), and ten runs of 10 s of a beam rig, each with its own noise.
     pub fn checks() -> [Self; 3] {
-        let named = |scenario: &str| Self {
+        let plan = |scenario: &str, seconds: Option<&str>, runs| Self {
             scenario: scenario.into(),
-            ..Self::default()
+            seconds: seconds.map(Into::into),
+            runs,
         };
-        let half = Self {
-            seconds: Some("90".into()),
-            ..named("field")
-        };
-        let often = Self {
-            seconds: Some("10".into()),
-            runs: 10,
-            ..named("held-beam-135")
-        };
-        [half, named("crash"), often]
-    }
-
-    /// Reads the options behind `cargo xtask pil`.
-    pub fn parse(words: &[&str]) -> Result<Self, String> {
-        let mut plan = Self::default();
-        let mut rest = words.iter();
-        while let Some(option) = rest.next() {
-            let value = rest
-                .next()
-                .ok_or_else(|| format!("{option} wants a value"))?;
-            match *option {
-                "--scenario" => plan.scenario = (*value).into(),
-                "--seconds" => plan.seconds = Some((*value).into()),
-                "--runs" => {
-                    plan.runs = value
-                        .parse()
-                        .ok()
-                        .filter(|runs| *runs > 0)
-                        .ok_or_else(|| format!("--runs {value}: give a number from 1"))?;
-                }
-                _ => return Err(format!("no option `{option}`; see `cargo xtask help`")),
-            }
-        }
-        Ok(plan)
+        [
+            plan("field", Some("90"), 1),
+            plan("crash", None, 1),
+            plan("held-beam-135", Some("10"), 10),
+        ]
     }
 
     fn options(&self, pipes: &Pipes) -> Vec<String> {
@@ -147,7 +113,7 @@ pub fn run(plan: &PilPlan, build: &Build) -> JobResult {
         text(&pipes.requests),
         text(&pipes.replies)
     );
-    let mut image = qemu::command(&firmware::image("pil"), &arguments, &["-icount", "shift=0"])?;
+    let mut image = qemu::command("pil", &arguments)?;
     let mut desktop = Command::new(program);
     desktop.current_dir(command::root());
     desktop.args(plan.options(&pipes));
@@ -211,32 +177,39 @@ fn both(image: &mut Child, desktop: &mut Child) -> JobResult {
 mod tests {
     use super::*;
 
+    #[derive(clap::Parser)]
+    struct Asked {
+        #[command(flatten)]
+        plan: PilPlan,
+    }
+
+    fn plan(words: &[&str]) -> Result<PilPlan, String> {
+        let asked = <Asked as clap::Parser>::try_parse_from(["pil"].iter().chain(words));
+        asked.map(|asked| asked.plan).map_err(|e| e.to_string())
+    }
+
     #[test]
     fn options_are_read_and_passed_on() {
-        let plan =
-            PilPlan::parse(&["--scenario", "field", "--seconds", "2.5", "--runs", "3"]).unwrap();
-        assert_eq!(plan.runs, 3);
+        let whole = plan(&["--scenario", "field", "--seconds", "2.5", "--runs", "3"]).unwrap();
+        assert_eq!(whole.runs, 3);
         let pipes = Pipes {
             folder: PathBuf::from("nowhere"),
             requests: "a".into(),
             replies: "b".into(),
         };
-        let words = plan.options(&pipes).join(" ");
+        let words = whole.options(&pipes).join(" ");
         assert_eq!(
             words,
             "pil --scenario field --runs 3 --seconds 2.5 --requests a --replies b"
         );
-        assert_eq!(PilPlan::parse(&[]).unwrap(), PilPlan::default());
-        assert!(
-            PilPlan::parse(&["--runs", "0"])
-                .unwrap_err()
-                .contains("--runs 0")
+        let usual = plan(&[]).unwrap();
+        assert_eq!(
+            (&*usual.scenario, usual.seconds, usual.runs),
+            ("field", None, 1)
         );
-        assert!(PilPlan::parse(&["--runs"]).is_err());
-        assert!(
-            PilPlan::parse(&["--speed", "9"])
-                .unwrap_err()
-                .contains("--speed")
-        );
+        let none = plan(&["--runs", "0"]).unwrap_err();
+        assert!(none.contains("--runs") && none.contains('0'), "{none}");
+        assert!(plan(&["--runs"]).is_err());
+        assert!(plan(&["--speed", "9"]).unwrap_err().contains("--speed"));
     }
 }

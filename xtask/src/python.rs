@@ -28,7 +28,7 @@ const NOTEBOOKS: &[&str] = &[
 
 /// Runs the package's tests with the words given: of a wheel installed into `target/python`, or with the library that the host tests
 /// have built, which a wheel would build again.
-pub fn run(words: &[&str], build: &Build) -> JobResult {
+pub fn run(words: &[String], build: &Build) -> JobResult {
     let environment = own_environment()?;
     if let Err(error) = command::run(pip(&environment).args(NOTEBOOKS)) {
         println!("the notebooks and the Dask cluster are left out: {error}");
@@ -53,9 +53,7 @@ pub fn run(words: &[&str], build: &Build) -> JobResult {
 fn laid_out(library: &Path) -> JobResult<PathBuf> {
     let place = root().join("target/python-package");
     let package = place.join("vibroimpact");
-    if place.exists() {
-        fs::remove_dir_all(&place)?;
-    }
+    command::remove_folder(&place)?;
     fs::create_dir_all(&package)?;
     for file in fs::read_dir(root().join("python/package/vibroimpact"))? {
         let file = file?;
@@ -69,7 +67,12 @@ fn laid_out(library: &Path) -> JobResult<PathBuf> {
 
 /// Builds the wheel and installs it into the environment.
 pub fn install(environment: &Path) -> JobResult {
-    let wheel = wheel(environment)?;
+    let place = root().join("target/wheels");
+    command::remove_folder(&place)?;
+    let mut maturin = Command::new(environment.join("bin/maturin"));
+    // In the profile of the tests: the same numbers as a release, compiled once for both.
+    maturin.args(["build", "--locked", "--profile", "dev"]);
+    let wheel = wheel(maturin, environment, &place)?;
     let mut install = pip(environment);
     command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))
 }
@@ -112,18 +115,17 @@ pub fn pip(environment: &Path) -> Command {
     pip
 }
 
-/// The wheel, in the profile of the tests: the same numbers as a release, compiled once for both.
-fn wheel(environment: &Path) -> JobResult<PathBuf> {
-    let place = root().join("target/wheels");
-    if place.exists() {
-        fs::remove_dir_all(&place)?;
-    }
-    let mut build = Command::new(environment.join("bin/maturin"));
-    build.current_dir(root().join("python"));
-    build.args(["build", "--locked", "--profile", "dev", "--out"]);
-    build.arg(&place).arg("--interpreter");
-    command::run(build.arg(environment.join("bin/python")))?;
-    let built = fs::read_dir(&place)?
+/// The wheel that maturin, told what to build, leaves in a folder.
+pub fn wheel(mut maturin: Command, environment: &Path, place: &Path) -> JobResult<PathBuf> {
+    maturin
+        .current_dir(root().join("python"))
+        .arg("--out")
+        .arg(place);
+    maturin
+        .arg("--interpreter")
+        .arg(environment.join("bin/python"));
+    command::run(&mut maturin)?;
+    let built = fs::read_dir(place)?
         .next()
         .ok_or("maturin left no wheel")??;
     Ok(built.path())

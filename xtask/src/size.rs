@@ -83,19 +83,14 @@ pub fn run() -> JobResult {
     // The boards whose stack has what the variables leave.
     let mut left_for_stack = Vec::new();
     for board in &boards::all()? {
-        for image in firmware::build(board)? {
-            let size = measure(&std::fs::read(command::root().join(&image))?)?;
-            let name = image
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
-            lines.push(budgets.line(&name, "flash_bytes", size.flash)?);
-            lines.push(budgets.line(&name, "ram_bytes", size.ram)?);
+        for (name, image) in board.programs.iter().zip(firmware::build(board)?) {
+            let size = measure(&std::fs::read(command::root().join(image))?)?;
+            lines.push(budgets.line(name, "flash_bytes", size.flash)?);
+            lines.push(budgets.line(name, "ram_bytes", size.ram)?);
             if board.flip_link {
-                left_for_stack.push((name, size.stack));
+                left_for_stack.push((name.clone(), size.stack));
             } else {
-                lines.push(budgets.line(&name, "stack_reserved_bytes", size.stack)?);
+                lines.push(budgets.line(name, "stack_reserved_bytes", size.stack)?);
             }
         }
     }

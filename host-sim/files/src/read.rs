@@ -100,11 +100,7 @@ pub fn line_at(text: &str, byte: usize) -> usize {
 }
 
 fn read_text_of(path: &Path, most: u64) -> Result<String, UserError> {
-    text_of(path, read_bytes(path, most)?)
-}
-
-fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, UserError> {
-    String::from_utf8(bytes)
+    String::from_utf8(read_bytes(path, most)?)
         .map_err(|_| cannot(path, &"it is not UTF-8 text", "save it as UTF-8 text"))
 }
 

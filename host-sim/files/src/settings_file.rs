@@ -65,7 +65,7 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
         UserError::new(format!("line {line}: {what}; {mend}"))
     })?;
     let mut settings = *base;
-    let mut wanted = Wanted::default();
+    let (mut force_n, mut ratio) = (None, None);
     for (section, value) in file {
         if !value.is_table() && !SECTIONS.contains(&section.as_str()) {
             return Err(UserError::new(format!(
@@ -90,14 +90,14 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
         }
         for (key, value) in entries {
             match (section.as_str(), key.as_str()) {
-                ("aim", "force_n") => wanted.force_n = Some(a_number(&section, &key, &value)?),
-                ("aim", "force_ratio") => wanted.ratio = Some(a_number(&section, &key, &value)?),
+                ("aim", "force_n") => force_n = Some(a_number(&section, &key, &value)?),
+                ("aim", "force_ratio") => ratio = Some(a_number(&section, &key, &value)?),
                 _ => set(&mut settings, &section, &key, &value)?,
             }
         }
     }
     // In units of the weight of the rig that the file leads to, wherever in it that stands.
-    if let Some(force_n) = rigfile::force_wanted(wanted.force_n, wanted.ratio, &settings.rig)? {
+    if let Some(force_n) = rigfile::force_wanted(force_n, ratio, &settings.rig)? {
         settings.aim.force_n = force_n;
     }
     settings
@@ -122,13 +122,6 @@ pub fn refusal(settings: &Settings, mut error: ParamError) -> UserError {
         }
         _ => error.into(),
     }
-}
-
-/// The two ways to say which force is wanted.
-#[derive(Default)]
-struct Wanted {
-    force_n: Option<f64>,
-    ratio: Option<f64>,
 }
 
 fn a_number(section: &str, key: &str, value: &Value) -> Result<f64, UserError> {

@@ -1,224 +1,110 @@
 //! The letters of the bundled font, Noto Sans (SIL Open Font License 1.1): their widths and outlines.
 
-use std::collections::HashMap;
-use std::io::Cursor;
 use std::sync::LazyLock;
 
-use tiny_skia::{Path, PathBuilder, Point, Transform};
-use truetype::GlyphID;
-use truetype::tables::glyph_data::{Arguments, Component, Description, Options, SimpleDescription};
-use truetype::tables::{
-    CharacterMapping, FontHeader, GlyphData, GlyphMapping, HorizontalHeader, HorizontalMetrics,
-    MaximumProfile, Offsets, character_mapping::Encoding,
-};
-use truetype::tape::Read as _;
-use truetype::{Error, Result, value, walue};
+use tiny_skia::{Path, PathBuilder, Transform};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// One weight of the font.
-pub(super) struct Font {
-    /// Font units in a font size.
-    em: f64,
-    letters: HashMap<u32, GlyphID>,
-    metrics: HorizontalMetrics,
-    outlines: GlyphData,
-}
+pub(super) struct Font(Face<'static>);
 
 static REGULAR: LazyLock<Font> = LazyLock::new(|| bundled(notosans::REGULAR_TTF));
 static BOLD: LazyLock<Font> = LazyLock::new(|| bundled(notosans::BOLD_TTF));
 
-fn bundled(file: &[u8]) -> Font {
-    Font::read(file).expect("the font compiled into the program is whole")
+fn bundled(file: &'static [u8]) -> Font {
+    Font(Face::parse(file, 0).expect("the font compiled into the program is whole"))
 }
 
-/// What stands for a letter the font lacks: an empty box.
-const MISSING: GlyphID = 0;
+/// The glyph of a letter that the font lacks: a box.
+const MISSING: GlyphId = GlyphId(0);
 
 impl Font {
-    /// The regular or the bold weight.
     pub fn of(bold: bool) -> &'static Self {
         if bold { &BOLD } else { &REGULAR }
     }
 
-    /// Reads the tables of a TrueType file.
-    fn read(file: &[u8]) -> Result<Self> {
-        let mut file = Tables {
-            places: Cursor::new(file).take()?,
-            file,
-        };
-        let header: FontHeader = file.table(b"head")?;
-        let sizes: MaximumProfile = file.table(b"maxp")?;
-        let columns: HorizontalHeader = file.table(b"hhea")?;
-        let places: GlyphMapping = file.table_given(b"loca", (&header, &sizes))?;
-        let mapping: CharacterMapping = file.table(b"cmap")?;
-        let letters = mapping
-            .encodings
-            .iter()
-            .find_map(|encoding| match encoding {
-                Encoding::Format4(encoding) => Some(encoding.mapping()),
-                Encoding::Format12(encoding) => Some(encoding.mapping()),
-                _ => None,
-            });
-        Ok(Self {
-            em: f64::from(header.units_per_em),
-            letters: letters.ok_or_else(|| Error::other("no letters of Unicode"))?,
-            metrics: file.table_given(b"hmtx", (&columns, &sizes))?,
-            outlines: file.table_given(b"glyf", &places)?,
-        })
+    /// Font units in a font size.
+    fn em(&self) -> f64 {
+        f64::from(self.0.units_per_em())
     }
 
-    /// Whether the font has a shape for `letter`.
-    #[cfg(test)]
-    pub fn has(&self, letter: char) -> bool {
-        self.letters.contains_key(&u32::from(letter))
+    fn glyph(&self, letter: char) -> GlyphId {
+        self.0.glyph_index(letter).unwrap_or(MISSING)
     }
 
-    fn glyph(&self, letter: char) -> GlyphID {
-        let found = self.letters.get(&u32::from(letter));
-        found.copied().unwrap_or(MISSING)
+    /// How far a glyph moves the next one, font units.
+    fn advance(&self, glyph: GlyphId) -> u16 {
+        self.0.glyph_hor_advance(glyph).unwrap_or(0)
     }
 
-    /// Width of `text` in font sizes.
+    /// Width of a text in units of its size.
     pub fn width(&self, text: &str) -> f64 {
-        let advance = |letter| u64::from(self.metrics.get(self.glyph(letter)).0);
-        text.chars().map(advance).sum::<u64>() as f64 / self.em
+        let advance = |letter| u64::from(self.advance(self.glyph(letter)));
+        text.chars().map(advance).sum::<u64>() as f64 / self.em()
     }
 
-    /// Outline of `text` in font sizes, from the left end of its base line, y downwards; none for blank text.
+    /// The outline of a text of size 1 that begins at the origin; y points down. `None`: there is nothing to see.
     pub fn outline(&self, text: &str) -> Option<Path> {
         let mut path = PathBuilder::new();
-        let scale = (1.0 / self.em) as f32;
+        let scale = (1.0 / self.em()) as f32;
         let mut left = 0.0;
         for letter in text.chars() {
             let glyph = self.glyph(letter);
             let place = Transform::from_row(scale, 0.0, 0.0, -scale, left, 0.0);
-            self.add(&mut path, glyph, place, 0);
-            left += f32::from(self.metrics.get(glyph).0) * scale;
+            self.add(&mut path, glyph, place);
+            left += f32::from(self.advance(glyph)) * scale;
         }
         path.finish()
     }
 
-    /// Adds a glyph's contours, and those of the glyphs it is made of, `depth` deep within others.
-    fn add(&self, path: &mut PathBuilder, glyph: GlyphID, place: Transform, depth: usize) {
-        const DEEPEST: usize = 8;
-        let Some(Some(glyph)) = self.outlines.get(usize::from(glyph)) else {
-            return;
-        };
-        match &glyph.description {
-            Description::Simple(shape) => add_contours(path, shape, place),
-            Description::Composite(parts) if depth < DEEPEST => {
-                for part in &parts.components {
-                    let place = place.pre_concat(placed(part));
-                    self.add(path, part.glyph_id, place, depth + 1);
-                }
-            }
-            Description::Composite(_) => {}
+    fn add(&self, path: &mut PathBuilder, glyph: GlyphId, place: Transform) {
+        let mut pen = Pen(PathBuilder::new());
+        // What has no outline, as a space, adds nothing.
+        let _ = self.0.outline_glyph(glyph, &mut pen);
+        if let Some(outline) = pen.0.finish().and_then(|path| path.transform(place)) {
+            path.push_path(&outline);
         }
     }
 }
 
-/// A font file and where its tables are.
-struct Tables<'a> {
-    file: &'a [u8],
-    places: Offsets,
-}
+/// Draws a glyph in font units.
+struct Pen(PathBuilder);
 
-impl<'a> Tables<'a> {
-    /// The file from the start of the table called `name`.
-    fn at(&self, name: &[u8; 4]) -> Result<Cursor<&'a [u8]>> {
-        let found = self.places.records.iter().find(|r| &r.tag.0 == name);
-        let from = found.and_then(|record| self.file.get(record.offset as usize..));
-        from.map(Cursor::new)
-            .ok_or_else(|| Error::other("a table is missing"))
+impl OutlineBuilder for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to(x, y);
     }
 
-    fn table<T: value::Read>(&mut self, name: &[u8; 4]) -> Result<T> {
-        self.at(name)?.take()
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to(x, y);
     }
 
-    fn table_given<'l, T: walue::Read<'l>>(
-        &mut self,
-        name: &[u8; 4],
-        parameter: T::Parameter,
-    ) -> Result<T> {
-        self.at(name)?.take_given(parameter)
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to(x1, y1, x, y);
     }
-}
 
-/// How a glyph lies within the one it is a part of.
-fn placed(part: &Component) -> Transform {
-    let (x, y) = match part.arguments {
-        Arguments::Offsets(x, y) => (f32::from(x), f32::from(y)),
-        // Placed by matching points; the bundled font has none (see the tests).
-        Arguments::Indices(..) => (0.0, 0.0),
-    };
-    let (xx, xy, yx, yy) = match part.options {
-        Options::None => (1.0, 0.0, 0.0, 1.0),
-        Options::Scalar(s) => (s.into(), 0.0, 0.0, s.into()),
-        Options::Vector(x, y) => (x.into(), 0.0, 0.0, y.into()),
-        Options::Matrix(xx, xy, yx, yy) => (xx.into(), xy.into(), yx.into(), yy.into()),
-    };
-    Transform::from_row(xx, xy, yx, yy, x, y)
-}
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.cubic_to(x1, y1, x2, y2, x, y);
+    }
 
-fn add_contours(path: &mut PathBuilder, shape: &SimpleDescription, place: Transform) {
-    let (mut x, mut y) = (0.0, 0.0);
-    let steps = shape.x.iter().zip(&shape.y).zip(&shape.flags);
-    let mut points: Vec<(Point, bool)> = steps
-        .map(|((dx, dy), flags)| {
-            x += f32::from(*dx);
-            y += f32::from(*dy);
-            (Point::from_xy(x, y), flags.is_on_curve())
-        })
-        .collect();
-    for (point, _) in &mut points {
-        place.map_point(point);
+    fn close(&mut self) {
+        self.0.close();
     }
-    let mut from = 0;
-    for end in &shape.end_points {
-        let until = (usize::from(*end) + 1).min(points.len());
-        add_contour(path, &points[from.min(until)..until]);
-        from = until;
-    }
-}
-
-/// Adds a closed contour of points on the curve and control points of quadratic arcs. Between two control points the
-/// middle is on the curve.
-fn add_contour(path: &mut PathBuilder, points: &[(Point, bool)]) {
-    let middle = |a: Point, b: Point| Point::from_xy((a.x + b.x) / 2.0, (a.y + b.y) / 2.0);
-    let (Some(first), Some(last)) = (points.first(), points.last()) else {
-        return;
-    };
-    let start = match (first.1, last.1) {
-        (true, _) => first.0,
-        (false, true) => last.0,
-        (false, false) => middle(first.0, last.0),
-    };
-    path.move_to(start.x, start.y);
-    let mut control: Option<Point> = None;
-    for (to, on_curve) in points.iter().copied().chain([(start, true)]) {
-        match (control, on_curve) {
-            (None, true) => path.line_to(to.x, to.y),
-            (Some(by), true) => path.quad_to(by.x, by.y, to.x, to.y),
-            (Some(by), false) => {
-                let between = middle(by, to);
-                path.quad_to(by.x, by.y, between.x, between.y);
-            }
-            (None, false) => {}
-        }
-        control = (!on_curve).then_some(to);
-    }
-    path.close();
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn has(font: &Font, letter: char) -> bool {
+        font.0.glyph_index(letter).is_some()
+    }
+
     #[test]
     fn it_has_the_letters_of_physics() {
         for letter in "ωφΔΩµ°²³·×±−–½≤≥…é".chars() {
             assert!(
-                Font::of(false).has(letter) && Font::of(true).has(letter),
+                has(Font::of(false), letter) && has(Font::of(true), letter),
                 "{letter}"
             );
         }
@@ -231,7 +117,7 @@ mod tests {
         assert_eq!(font.width("n"), 1266.0 / 2048.0);
         assert_eq!(font.width("\u{5B57}"), 1229.0 / 2048.0);
         assert_eq!(font.width("n\u{5B57}"), 2495.0 / 2048.0);
-        assert!(!font.has('\u{5B57}') && font.outline("\u{5B57}").is_some());
+        assert!(!has(font, '\u{5B57}') && font.outline("\u{5B57}").is_some());
         assert!(font.outline(" ").is_none());
     }
 
@@ -249,24 +135,24 @@ mod tests {
         }
     }
 
-    /// Fails if a part of a glyph is placed by matching points, or parts go deeper than is followed.
+    /// Each glyph reaches as far as the font says.
     #[test]
     fn every_glyph_is_drawn_whole() {
         for font in [Font::of(false), Font::of(true)] {
-            let bounds_of = |glyph: usize| {
+            let bounds_of = |glyph: GlyphId| {
                 let mut path = PathBuilder::new();
-                font.add(&mut path, glyph as GlyphID, Transform::identity(), 0);
+                font.add(&mut path, glyph, Transform::identity());
                 path.finish().and_then(|path| path.compute_tight_bounds())
             };
             let mut drawn = 0;
-            for (k, glyph) in font.outlines.iter().enumerate() {
-                let Some(glyph) = glyph else { continue };
-                if let Description::Composite(parts) = &glyph.description {
-                    let matched = |p: &Component| matches!(p.arguments, Arguments::Indices(..));
-                    assert!(!parts.components.iter().any(matched), "{k}");
-                }
-                let ends = [glyph.min_x, glyph.min_y, glyph.max_x, glyph.max_y].map(f32::from);
-                let Some(bounds) = bounds_of(k) else { continue };
+            for k in 0..font.0.number_of_glyphs() {
+                let Some(said) = font.0.glyph_bounding_box(GlyphId(k)) else {
+                    continue;
+                };
+                let ends = [said.x_min, said.y_min, said.x_max, said.y_max].map(f32::from);
+                let Some(bounds) = bounds_of(GlyphId(k)) else {
+                    continue;
+                };
                 let found = [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()];
                 for (end, found) in ends.iter().zip(found) {
                     // The file's own bounds are whole numbers.

@@ -100,12 +100,7 @@ impl Sample<'_> {
             }
             Shape::Cloud { .. } => canvas.mark(spot(middle), Mark::Circle, 2.5, item.color),
             Shape::BandX { .. } | Shape::Area(_) => {
-                let swatch = Rect {
-                    left: x,
-                    top: y - 6.0,
-                    right: x + width,
-                    bottom: y + 6.0,
-                };
+                let swatch = Rect::about(middle, width / 2.0, 6.0);
                 canvas.fill(swatch, item.color, 0.25)
             }
             Shape::Raster(_) | Shape::MarkX { .. } | Shape::MarkPoint(_) => Ok(()),

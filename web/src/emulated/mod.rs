@@ -10,6 +10,7 @@ use emulator::record::{RunEvent, RunObserver, TickRow, TrueContact};
 use emulator::run::Run;
 use emulator::scenario::{self, BUILTIN, Scenario};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::Function;
 use crate::json::{read, write};
@@ -117,20 +118,11 @@ fn with<T>(work: impl FnOnce(&mut Emulated) -> Result<T, String>) -> Result<T, S
     })
 }
 
-#[derive(Serialize)]
-struct Known {
-    name: &'static str,
-    description: String,
-}
-
 /// Name and description of every built-in scenario, as JSON.
 fn scenarios(_argument: &[u8]) -> Result<Vec<u8>, String> {
     let known = BUILTIN.iter().map(|(name, text)| {
         let scenario = scenario::parse(name, text, name).map_err(|e| e.to_string())?;
-        Ok(Known {
-            name,
-            description: scenario.description,
-        })
+        Ok(json!({ "name": name, "description": scenario.description }))
     });
     write(&known.collect::<Result<Vec<_>, String>>()?)
 }

@@ -6,6 +6,7 @@ use numerics::engine::answer::{ContactRow, RunAnswer, SectionRow, contact_rows, 
 use numerics::engine::{CycleRecorder, Engine, Plan, RecordedSample, Start, machine, observe};
 use numerics::orbit::{Orbit, Stability, on_course, shoot_at};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use shared::model::rig::Rig;
 
 use super::rig;
@@ -146,15 +147,6 @@ struct Neighbour {
     orbit: Option<Multipliers>,
 }
 
-#[derive(Serialize)]
-struct Neighbours {
-    starts: [usize; 2],
-    displacement_mm: [f64; 2],
-    velocity_m_per_s: [f64; 2],
-    cycles: u32,
-    motions: Vec<Neighbour>,
-}
-
 /// The motions that starts from a grid of displacements and velocities settle on, with the share of the starts: those of the
 /// command `basins`, on a coarse grid.
 pub fn neighbours(argument: &[u8]) -> Result<Vec<u8>, String> {
@@ -176,13 +168,14 @@ pub fn neighbours(argument: &[u8]) -> Result<Vec<u8>, String> {
             share,
         }
     };
-    write(&Neighbours {
-        starts: summary.grid,
-        displacement_mm: summary.displacement_mm,
-        velocity_m_per_s: summary.velocity_m_per_s,
-        cycles: summary.cycles,
-        motions: summary.attractors.into_iter().map(motion).collect(),
-    })
+    let motions: Vec<_> = summary.attractors.into_iter().map(motion).collect();
+    write(&json!({
+        "starts": summary.grid,
+        "displacement_mm": summary.displacement_mm,
+        "velocity_m_per_s": summary.velocity_m_per_s,
+        "cycles": summary.cycles,
+        "motions": motions,
+    }))
 }
 
 fn line(error: impl Into<files::UserError>) -> String {

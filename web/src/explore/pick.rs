@@ -3,7 +3,7 @@
 use files::words::pick::WordedPick;
 use numerics::PickLimits;
 use numerics::pick::outline::outline;
-use numerics::pick::{PickAnswer, Springs, pick_on};
+use numerics::pick::{Springs, pick_on};
 use serde::{Deserialize, Serialize};
 
 use super::rig;
@@ -62,9 +62,8 @@ pub fn pick(argument: &[u8]) -> Result<Vec<u8>, String> {
     };
     let found = pick_on(&rig, Springs::default(), uncertainty, limits, &())
         .map_err(|e| files::UserError::from(e).to_string())?;
-    let answer: &PickAnswer = &found.answer;
     write(&Found {
-        answer: answer.into(),
+        answer: (&found.answer).into(),
         curve: &found.curve,
     })
 }

@@ -2,8 +2,8 @@
 
 use files::rigfile::{self, KEYS};
 use numerics::NamedRig;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
 use shared::model::contact::LAWS;
 use shared::model::params::PRESETS;
 
@@ -66,50 +66,31 @@ impl RigAsked {
     }
 }
 
-#[derive(Serialize)]
-struct Whole {
-    name: String,
-    parameters: Map<String, Value>,
-    meanings: Map<String, Value>,
-    toml: String,
-    notes: Vec<String>,
-    shaker_known: bool,
-    natural_frequency_hz: f64,
-    weight_n: f64,
-    amplitude_mm: f64,
-    version: &'static str,
-}
-
 /// Everything of a rig that the page shows.
 pub fn rig(argument: &[u8]) -> Result<Vec<u8>, String> {
     let asked: RigAsked = read(argument)?;
     let rig = asked.rig()?;
     let whole = rig.recoiling().unwrap_or_else(|| rig.clone());
-    let parameters = rigfile::parameters_of(&whole.params).into_iter();
-    let parameters = parameters.filter_map(|(key, value)| {
-        let value = serde_json::to_value(value).ok()?;
-        Some((key, value))
-    });
     let meanings = KEYS
         .iter()
         .map(|(key, meaning)| ((*key).to_owned(), meaning.as_str().into()));
-    write(&Whole {
-        parameters: parameters.collect(),
-        meanings: meanings.collect(),
-        toml: rigfile::to_toml(&rig),
-        notes: rigfile::doubts(&rig.params),
-        shaker_known: rig.shaker.is_some(),
-        natural_frequency_hz: rig.params.natural_frequency_hz(),
-        weight_n: rig.params.weight_n(),
-        amplitude_mm: rig.params.amplitude_m * 1e3,
-        name: rig.name,
-        version: env!("CARGO_PKG_VERSION"),
-    })
+    write(&json!({
+        "name": rig.name,
+        "parameters": rigfile::parameters_of(&whole.params),
+        "meanings": meanings.collect::<Map<String, Value>>(),
+        "toml": rigfile::to_toml(&rig),
+        "notes": rigfile::doubts(&rig.params),
+        "shaker_known": rig.shaker.is_some(),
+        "natural_frequency_hz": rig.params.natural_frequency_hz(),
+        "weight_n": rig.params.weight_n(),
+        "amplitude_mm": rig.params.amplitude_m * 1e3,
+        "version": env!("CARGO_PKG_VERSION"),
+    }))
 }
 
 /// The words that can be chosen, by their key.
 pub fn choices(_: &[u8]) -> Result<Vec<u8>, String> {
-    write(&serde_json::json!({
+    write(&json!({
         "preset": PRESETS.map(|(name, _)| name),
         "contact_law": LAWS.map(|(name, _)| name),
         "torque": ["literal", "cosine"],

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 
 use files::settings_file;
 use serde::Deserialize;
-use shared::link::{FromBoard, Hello, LinkAnswer, PROTOCOL_VERSION};
+use shared::link::{FromBoard, Hello, LinkAnswer};
 use shared::settings::Settings;
 use wire::Caller;
 
@@ -228,9 +228,4 @@ fn recording(_argument: &[u8]) -> Result<Vec<u8>, String> {
         let recorder = open.recorder.take().ok_or("nothing is being recorded")?;
         recorder.finish()
     })
-}
-
-/// Whether a board of this protocol answered.
-fn fits(hello: &Hello) -> bool {
-    hello.protocol == PROTOCOL_VERSION
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use shared::control::{self, Refused, SettingsState};
 use shared::fault::Fault;
-use shared::link::{LinkAnswer, Refusal};
+use shared::link::{LinkAnswer, PROTOCOL_VERSION, Refusal};
 use shared::settings::TICK_RATE_HZ;
 
 /// What some bytes said.
@@ -88,7 +88,7 @@ impl ShownStatus {
 pub fn shown(request: u16, answer: &LinkAnswer) -> Value {
     match answer {
         LinkAnswer::Hello(hello) => json!({
-            "request": request, "kind": "hello", "fits": super::fits(hello), "protocol": hello.protocol,
+            "request": request, "kind": "hello", "fits": hello.protocol == PROTOCOL_VERSION, "protocol": hello.protocol,
             "firmware": hello.firmware.as_str(), "board": hello.board.as_str(), "block_ticks": hello.block_ticks,
         }),
         LinkAnswer::Done => json!({ "request": request, "kind": "done" }),

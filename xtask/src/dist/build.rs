@@ -2,7 +2,6 @@
 //! systems; where there is no Zig, they are linked against this system's.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -94,19 +93,13 @@ impl Linking {
     pub fn wheel(&self, target: &str, place: &Path, seconds: u64) -> JobResult<PathBuf> {
         let maturin = Command::new(self.environment.join("bin/maturin"));
         let mut build = self.prepared(maturin)?;
-        build.current_dir(root().join("python"));
         build.env("SOURCE_DATE_EPOCH", seconds.to_string());
         build.args(["build", "--locked", "--profile", "dist"]);
-        build.args(["--target", target, "--out"]).arg(place);
+        build.args(["--target", target]);
         if self.zig {
             build.args(["--zig", "--compatibility", MANYLINUX]);
         }
-        let python = self.environment.join("bin/python");
-        command::run(build.arg("--interpreter").arg(python))?;
-        let built = fs::read_dir(place)?
-            .next()
-            .ok_or("maturin left no wheel")??;
-        Ok(built.path())
+        python::wheel(build, &self.environment, place)
     }
 }
 

@@ -5,11 +5,7 @@ mod archive;
 mod build;
 mod licences;
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{fs, path::Path, process::Command};
 
 use archive::Files;
 use build::Linking;
@@ -21,35 +17,8 @@ use crate::{
     python, web,
 };
 
-/// What is asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DistPlan {
-    /// Build everything and try it.
-    Whole,
-    /// Pack the program of the tests, and look at the archive.
-    Check,
-}
-
-impl DistPlan {
-    /// Reads the options behind `cargo xtask dist`.
-    pub fn parse(words: &[&str]) -> Result<Self, String> {
-        match words {
-            [] => Ok(Self::Whole),
-            ["--check"] => Ok(Self::Check),
-            [other, ..] => Err(format!("no option `{other}`; see `cargo xtask help`")),
-        }
-    }
-}
-
-/// Builds and tries what is handed out, or packs and checks what was built.
-pub fn run(plan: &DistPlan, build: &Build) -> JobResult {
-    match plan {
-        DistPlan::Whole => whole(),
-        DistPlan::Check => check(build),
-    }
-}
-
-fn whole() -> JobResult {
+/// Builds everything and tries it.
+pub fn whole() -> JobResult {
     let target = build::target()?;
     // Quick, and the likeliest to fail: it comes first.
     let licences = licences::gather(&target)?;
@@ -60,14 +29,11 @@ fn whole() -> JobResult {
 
     let place = root().join("target/dist");
     let part = root().join("target/dist.part");
-    for folder in [&place, &part] {
-        if folder.exists() {
-            fs::remove_dir_all(folder)?;
-        }
-    }
+    command::remove_folder(&place)?;
+    command::remove_folder(&part)?;
     fs::create_dir_all(&part)?;
     let wheel = linking.wheel(&target, &part, seconds)?;
-    let mut handed_out = vec![wheel];
+    let mut handed_out = vec![wheel.clone()];
     if let Some(page) = &page {
         let path = part.join("vibroimpact.html");
         archive::write(&path, &fs::read(page)?)?;
@@ -85,7 +51,7 @@ fn whole() -> JobResult {
     )?;
 
     println!("\nthe program {needs}");
-    println!("{}", wheel_tried(&handed_out)?);
+    println!("{}", wheel_tried(&wheel)?);
     fs::rename(&part, &place)?;
     for file in fs::read_dir(&place)? {
         let file = file?;
@@ -112,9 +78,7 @@ fn files(program: &Path, licences: &str, page: Option<&Path>, needs: &str) -> Jo
         files.add(*path, script);
     }
     let pages = root().join("target/man.part");
-    if pages.exists() {
-        fs::remove_dir_all(&pages)?;
-    }
+    command::remove_folder(&pages)?;
     command::output(Command::new(program).arg("man").arg(&pages))?;
     files.add_folder("share/man/man1", &pages)?;
     fs::remove_dir_all(&pages)?;
@@ -149,15 +113,9 @@ fn install(needs: &str) -> String {
 }
 
 /// The wheel in an environment with nothing else in it.
-fn wheel_tried(files: &[PathBuf]) -> JobResult<String> {
-    let wheel = files
-        .iter()
-        .find(|file| file.extension().is_some_and(|ending| ending == "whl"))
-        .ok_or("there is no wheel")?;
+fn wheel_tried(wheel: &Path) -> JobResult<String> {
     let place = root().join("target/dist-environment");
-    if place.exists() {
-        fs::remove_dir_all(&place)?;
-    }
+    command::remove_folder(&place)?;
     python::make_environment(&place)?;
     command::run(python::pip(&place).arg(wheel))?;
     let script = "import vibroimpact as vi; print(vi.pick(vi.Rig('wires')).operating_frequency_hz)";
@@ -187,7 +145,7 @@ const EXPECTED: &[&str] = &[
 ];
 
 /// Packs the program of the tests twice, and holds the archive to what it must be.
-fn check(build: &Build) -> JobResult {
+pub fn check(build: &Build) -> JobResult {
     let target = build::target()?;
     let licences = licences::gather(&target)?;
     let program = desktop::program("host-sim", build)?;
@@ -211,16 +169,4 @@ fn check(build: &Build) -> JobResult {
         once.len() as f64 / 1e6,
     );
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn options_are_read() {
-        assert_eq!(DistPlan::parse(&[]), Ok(DistPlan::Whole));
-        assert_eq!(DistPlan::parse(&["--check"]), Ok(DistPlan::Check));
-        assert!(DistPlan::parse(&["--chek"]).unwrap_err().contains("--chek"));
-    }
 }

@@ -20,9 +20,7 @@ use crate::{
 pub fn run(check: bool) -> JobResult<PathBuf> {
     let name = if check { "site-check" } else { "site" };
     let place = root().join("target").join(name);
-    if place.exists() {
-        fs::remove_dir_all(&place)?;
-    }
+    command::remove_folder(&place)?;
     fs::create_dir_all(&place)?;
     if !check {
         made_elsewhere(&place)?;

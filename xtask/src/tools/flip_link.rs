@@ -37,15 +37,6 @@ pub fn provide() -> JobResult<PathBuf> {
     Ok(program)
 }
 
-/// Which version that is; one in the path cannot be asked, for it is a linker.
-pub fn version(program: &Path) -> String {
-    if program.starts_with(tools()) {
-        format!("flip-link {VERSION}")
-    } else {
-        "flip-link".into()
-    }
-}
-
 const ADVICE: &str = "cargo install flip-link --locked";
 
 /// The path for a build that links with flip-link. It starts `rust-lld`, and finds it where rustc has its

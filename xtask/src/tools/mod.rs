@@ -5,7 +5,10 @@ pub mod debian;
 pub mod flip_link;
 pub mod toolchain;
 
-use std::{path::PathBuf, process::Command};
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 use crate::{
     JobResult,
@@ -27,20 +30,16 @@ pub fn qemu() -> JobResult<PathBuf> {
 
 /// A way to build for the microcontroller: the Rust in use, or Debian's, installed or unpacked.
 pub fn toolchain() -> JobResult<Toolchain> {
+    let choose = || toolchain::choose(&toolchain::look(TARGET));
     // Twice something may be missing: the Rust, then its linker.
     for _ in 0..2 {
-        match toolchain::choose(&toolchain::look(TARGET)) {
+        match choose() {
             Ok(toolchain) => return Ok(toolchain),
-            Err(missing) => {
-                let bundle = match missing {
-                    Missing::Rust => &debian::RUST,
-                    Missing::Linker => &debian::LLD,
-                };
-                provide(bundle, || advice(&missing))?;
-            }
+            Err(Missing::Rust) => provide(&debian::RUST, || advice(&Missing::Rust))?,
+            Err(Missing::Linker) => provide(&debian::LLD, || advice(&Missing::Linker))?,
         }
     }
-    toolchain::choose(&toolchain::look(TARGET)).map_err(|missing| advice(&missing).into())
+    choose().map_err(|missing| advice(&missing).into())
 }
 
 /// A way to build the page's module: the Rust in use, or Debian's, installed or unpacked.
@@ -143,26 +142,19 @@ pub fn list() -> JobResult {
     let flip_link = flip_link::provide()?;
     line(
         "linker of the board's image",
-        &flip_link::version(&flip_link),
+        // It cannot be asked which version it is, for it is a linker.
+        "flip-link",
         &flip_link.display().to_string(),
     );
-    let qemu = qemu()?;
-    line(
-        "runs the images for QEMU",
-        &version(&mut Command::new(&qemu)),
-        &qemu.display().to_string(),
-    );
+    let found = |purpose: &str, program: &Path| {
+        let place = program.display().to_string();
+        line(purpose, &version(&mut Command::new(program)), &place);
+    };
+    found("runs the images for QEMU", &qemu()?);
+    let flashes = "puts an image on the board";
     match find("probe-rs") {
-        Some(probe) => line(
-            "puts an image on the board",
-            &version(&mut Command::new(&probe)),
-            &probe.display().to_string(),
-        ),
-        None => line(
-            "puts an image on the board",
-            "no probe-rs",
-            "only `cargo xtask flash` needs it",
-        ),
+        Some(probe) => found(flashes, &probe),
+        None => line(flashes, "no probe-rs", "only `cargo xtask flash` needs it"),
     }
     Ok(())
 }

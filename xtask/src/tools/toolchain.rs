@@ -139,7 +139,7 @@ pub fn version_of(text: &str) -> Option<(u32, u32)> {
 
 /// Takes from a command what the cargo that started us left in the environment
 /// for its own toolchain, and flags meant for the host.
-fn on_its_own(command: &mut Command) -> &mut Command {
+pub fn on_its_own(command: &mut Command) -> &mut Command {
     for name in [
         "RUSTUP_TOOLCHAIN",
         "LD_LIBRARY_PATH",

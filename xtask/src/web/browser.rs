@@ -18,7 +18,7 @@ pub fn environment() -> JobResult<PathBuf> {
 }
 
 /// Builds the page and tests it, with the words given to pytest.
-pub fn test(words: &[&str], build: &Build) -> JobResult {
+pub fn test(words: &[String], build: &Build) -> JobResult {
     let browser = tools::chromium()?;
     let environment = environment()?;
     let page = super::build()?;

@@ -70,15 +70,15 @@ fn module() -> JobResult<Vec<u8>> {
     Ok(fs::read(root().join(place))?)
 }
 
-/// Builds the page and the program with it, and runs that: the page alone, or with a board (`--board PORT`).
-pub fn lab(words: &[&str]) -> JobResult {
+/// Builds the page and the program with it, and runs that: the page alone, or with the board at a port.
+pub fn lab(board: Option<String>, options: &[String]) -> JobResult {
     build()?;
     let mut cargo = command::cargo();
     cargo.args(["run", "--release", "--package", "host-sim"]);
     cargo.args(["--features", "page", "--"]);
-    match words {
-        ["--board", port, options @ ..] => cargo.args(["link", port, "--page"]).args(options),
-        options => cargo.arg("lab").args(options),
+    match board {
+        Some(port) => cargo.args(["link", &port, "--page"]),
+        None => cargo.arg("lab"),
     };
-    command::run_attended(&mut cargo)
+    command::run_attended(cargo.args(options))
 }

@@ -74,20 +74,6 @@ pub enum ColumnValue<'a> {
     Bytes(&'a [u8]),
 }
 
-impl ColumnValue<'_> {
-    /// The kind of column it belongs in.
-    pub fn kind(&self) -> ColumnKind {
-        match self {
-            Self::Flag(_) => ColumnKind::Flag,
-            Self::Int(_) => ColumnKind::Int,
-            Self::Long(_) => ColumnKind::Long,
-            Self::Float(_) => ColumnKind::Float,
-            Self::Text(_) => ColumnKind::Text,
-            Self::Bytes(_) => ColumnKind::Bytes,
-        }
-    }
-}
-
 /// A value of one kind was put into a column of another, or no value into one that must have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrongKind;
@@ -146,16 +132,16 @@ impl Column {
         let Some(value) = value else {
             return self.absent(1);
         };
-        if value.kind() != self.kind {
-            return Err(WrongKind);
-        }
+        let text = self.kind == ColumnKind::Text;
         match (&mut self.values, value) {
             (ColumnValues::Flag(all), ColumnValue::Flag(one)) => all.push(one),
             (ColumnValues::Int(all), ColumnValue::Int(one)) => all.push(one),
             (ColumnValues::Long(all), ColumnValue::Long(one)) => all.push(one),
             (ColumnValues::Float(all), ColumnValue::Float(one)) => all.push(one),
-            (ColumnValues::Bytes(all), ColumnValue::Text(one)) => push_bytes(all, one.as_bytes()),
-            (ColumnValues::Bytes(all), ColumnValue::Bytes(one)) => push_bytes(all, one),
+            (ColumnValues::Bytes(all), ColumnValue::Text(one)) if text => {
+                push_bytes(all, one.as_bytes());
+            }
+            (ColumnValues::Bytes(all), ColumnValue::Bytes(one)) if !text => push_bytes(all, one),
             _ => return Err(WrongKind),
         }
         self.present.push(1);

@@ -5,15 +5,13 @@ use super::{KEY, MadeFrom, RigUsed};
 /// The bytes of the file `name` with `made`, where its kind has a place for it: JSON, SVG and PNG. (Parquet takes it
 /// when it is written, see [`pair`]; a CSV has no such place, and the JSON beside it carries it, but see [`into_csv`].)
 pub fn stamped(name: &str, bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
+    let into_text = |bytes, into: &dyn Fn(String) -> String| match String::from_utf8(bytes) {
+        Ok(text) => into(text).into_bytes(),
+        Err(error) => error.into_bytes(),
+    };
     match name.rsplit_once('.').map(|(_, end)| end) {
-        Some("json") => match String::from_utf8(bytes) {
-            Ok(text) => into_json(text, made).into_bytes(),
-            Err(error) => error.into_bytes(),
-        },
-        Some("svg") => match String::from_utf8(bytes) {
-            Ok(text) => into_svg(&text, made).into_bytes(),
-            Err(error) => error.into_bytes(),
-        },
+        Some("json") => into_text(bytes, &|text| into_json(text, made)),
+        Some("svg") => into_text(bytes, &|text| into_svg(&text, made)),
         Some("png") => into_png(bytes, made),
         Some("csv") => into_csv(bytes, made),
         _ => bytes,

@@ -6,13 +6,9 @@ const LONGEST: usize = 120;
 /// `parts`, each as it may stand in a file name, joined by hyphens. A name that would be too long is cut and ends in a
 /// check sum of the whole.
 pub fn file_name<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
-    let parts: Vec<_> = parts.into_iter().map(in_name).collect();
-    let parts: Vec<_> = parts.iter().filter(|part| !part.is_empty()).collect();
-    let whole = parts
-        .iter()
-        .map(|part| part.as_str())
-        .collect::<Vec<_>>()
-        .join("-");
+    let parts = parts.into_iter().map(in_name);
+    let parts: Vec<_> = parts.filter(|part| !part.is_empty()).collect();
+    let whole = parts.join("-");
     if whole.len() <= LONGEST {
         return whole;
     }

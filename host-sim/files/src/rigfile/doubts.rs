@@ -1,81 +1,52 @@
 //! Values that can be, and are probably in another unit.
 
-use shared::model::contact::Law;
-use shared::model::params::{RigParams, SupportParams};
+use numerics::knob::Knob;
+use shared::model::contact::LawKind;
+use shared::model::params::RigParams;
 
-/// A hammer heavier than this, kg, was probably weighed in grams.
-const HEAVY_HAMMER_KG: f64 = 50.0;
-/// A cart heavier than this, kg, was probably weighed in grams.
-const HEAVY_CART_KG: f64 = 2_000.0;
-/// An amplitude smaller than this, mm, was probably measured in metres.
-const SMALL_AMPLITUDE_MM: f64 = 0.01;
-/// A wire shorter than this, mm, was probably measured in metres.
-const SHORT_WIRE_MM: f64 = 2.0;
-/// A gap narrower than this, mm, but not 0, was probably measured in metres.
-const NARROW_GAP_MM: f64 = 5e-3;
-/// A contact softer than this, N/m, was probably measured in N/mm. Rubber has 1.3e4, the steel of Table 3.1 5.5e3 N/mm.
-const SOFT_CONTACT_N_PER_M: f64 = 6e3;
-/// Beams damped more than this were probably given in percent.
-const DAMPED: f64 = 0.2;
+/// A parameter, which of its values are doubtful, what such a value reads as, and the unit that was probably meant, with its factor.
+type Doubt = (
+    &'static str,
+    fn(f64) -> bool,
+    &'static str,
+    &'static str,
+    f64,
+);
+
+/// Of contacts, rubber has 1.3e4 N/m, the steel of Table 3.1 5.5e3 N/mm.
+const DOUBTS: [Doubt; 7] = [
+    ("mass_kg", |kg| kg > 50.0, "kg", "grams", 1e-3),
+    ("cart_mass_kg", |kg| kg > 2_000.0, "kg", "grams", 1e-3),
+    ("amplitude_mm", |mm| mm < 0.01, "mm", "metres", 1e3),
+    (
+        "gap_mm",
+        |mm| mm != 0.0 && mm.abs() < 5e-3,
+        "mm",
+        "metres",
+        1e3,
+    ),
+    ("wire_length_mm", |mm| mm < 2.0, "mm", "metres", 1e3),
+    ("damping_ratio", |c| c > 0.2, "of critical", "percent", 1e-2),
+    (STIFFNESS, |k| k < 6e3, "N/m", "N/mm", 1e3),
+];
+
+/// Doubted with a spring-dashpot only: the laws with an exponent give it another unit.
+const STIFFNESS: &str = "contact_stiffness_n_per_m";
 
 /// A line for each value of `params` that looks like one in another unit: what it says, and what was probably meant.
 pub fn doubts(params: &RigParams) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut doubt = |doubtful: bool, key: &str, value: f64, read: &str, unit: &str, factor: f64| {
-        if doubtful {
+    let linear = params.contact.kind() == LawKind::SpringDashpot;
+    let line = |(key, doubtful, read, unit, factor): Doubt| {
+        let value = Knob::named(key)?.of(params)?;
+        let value = if read == "mm" { tidy(value) } else { value };
+        (doubtful(value) && (linear || key != STIFFNESS)).then(|| {
             let meant = tidy(value * factor);
-            lines.push(format!(
+            format!(
                 "warning: {key} = {value} means {value} {read}; if it was measured in {unit}, write {key} = {meant}"
-            ));
-        }
+            )
+        })
     };
-    let mass = params.mass_kg;
-    doubt(mass > HEAVY_HAMMER_KG, "mass_kg", mass, "kg", "grams", 1e-3);
-    let cart = params.cart_mass_kg;
-    doubt(
-        cart > HEAVY_CART_KG,
-        "cart_mass_kg",
-        cart,
-        "kg",
-        "grams",
-        1e-3,
-    );
-    let amplitude = tidy(params.amplitude_m * 1e3);
-    let small = amplitude < SMALL_AMPLITUDE_MM;
-    doubt(small, "amplitude_mm", amplitude, "mm", "metres", 1e3);
-    let gap = tidy(params.gap_m * 1e3);
-    let narrow = gap != 0.0 && gap.abs() < NARROW_GAP_MM;
-    doubt(narrow, "gap_mm", gap, "mm", "metres", 1e3);
-    match params.support {
-        SupportParams::Wires { length_m, .. } => {
-            let length = tidy(length_m * 1e3);
-            let short = length < SHORT_WIRE_MM;
-            doubt(short, "wire_length_mm", length, "mm", "metres", 1e3);
-        }
-        SupportParams::Beams { damping_ratio, .. } => {
-            let damped = damping_ratio > DAMPED;
-            doubt(
-                damped,
-                "damping_ratio",
-                damping_ratio,
-                "of critical",
-                "percent",
-                1e-2,
-            );
-        }
-    }
-    if let Law::SpringDashpot { stiffness, .. } = params.contact {
-        let soft = stiffness < SOFT_CONTACT_N_PER_M;
-        doubt(
-            soft,
-            "contact_stiffness_n_per_m",
-            stiffness,
-            "N/m",
-            "N/mm",
-            1e3,
-        );
-    }
-    lines
+    DOUBTS.into_iter().filter_map(line).collect()
 }
 
 /// Nine digits: without the last ones of a multiplication.

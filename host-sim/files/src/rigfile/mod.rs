@@ -31,21 +31,13 @@ pub use uncertainty::{HalfWidth, WIDTHS};
 /// # Errors
 /// There is no such rig or file, it is not TOML, a key or setting is unknown or missing, or a value out of range.
 pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, UserError> {
-    let name = name.as_ref();
-    let known = name.to_str().and_then(|name| Some((name, preset(name)?)));
-    match known {
-        Some((name, params)) => set_over(
-            name.to_owned(),
-            with_shaker(params),
-            Stated::default(),
-            false,
-            settings,
-        ),
-        None => {
-            let path = Path::new(name);
-            load_text(&path.display().to_string(), &read(path)?, settings)
-        }
-    }
+    let path = Path::new(name.as_ref());
+    let place = path.display().to_string();
+    let text = match path.to_str().and_then(preset) {
+        Some(_) => format!("preset = \"{place}\""),
+        None => read(path)?,
+    };
+    load_text(&place, &text, settings)
 }
 
 /// The rig in `text`, as [`load`] reads it from a file; complaints begin with `place`, whose stem is the rig's name.
@@ -53,28 +45,7 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
 /// # Errors
 /// As [`load`].
 pub fn load_text(place: &str, text: &str, settings: &[String]) -> Result<NamedRig, UserError> {
-    let (params, stated) = parse_whole(text, place)?;
-    set_over(
-        stem(Path::new(place)),
-        params,
-        stated,
-        tells_shaker_force(text),
-        settings,
-    )
-}
-
-/// Whether the text of a rig file has the shaker's largest force.
-fn tells_shaker_force(text: &str) -> bool {
-    line_of_key(text, "shaker_max_force_n").is_some()
-}
-
-fn set_over(
-    name: String,
-    mut params: RigParams,
-    stated: Stated,
-    shaker_force_told: bool,
-    settings: &[String],
-) -> Result<NamedRig, UserError> {
+    let (mut params, stated) = parse_whole(text, place)?;
     if !settings.is_empty() {
         let mut table = to_table(&params);
         let mut changes = RigTable::new();
@@ -85,12 +56,17 @@ fn set_over(
         let changed = overlay(&mut table, changes).and_then(|()| from_table(&table));
         params = changed.map_err(|e| UserError::from(e).at("--set"))?;
     }
-    let mut rig = NamedRig::new(titled(&name, settings), params).prescribed();
+    let mut rig = NamedRig::new(titled(&stem(Path::new(place)), settings), params).prescribed();
     rig.stated = stated;
     let told = |set: &String| set.trim_start().starts_with("shaker_max_force_n");
-    rig.shaker_force_told = shaker_force_told || settings.iter().any(told);
+    rig.shaker_force_told = tells_shaker_force(text) || settings.iter().any(told);
     rig.overridden = settings.iter().map(|set| tidied(set)).collect();
     Ok(rig)
+}
+
+/// Whether the text of a rig file has the shaker's largest force.
+fn tells_shaker_force(text: &str) -> bool {
+    line_of_key(text, "shaker_max_force_n").is_some()
 }
 
 /// At most so many overrides stand in a rig's name; of more, how many there are.

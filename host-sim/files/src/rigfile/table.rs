@@ -69,25 +69,21 @@ pub(super) fn overlay(base: &mut RigTable, changes: RigTable) -> Result<(), NoRi
 pub(super) fn to_table(params: &RigParams) -> RigTable {
     let numbers =
         Knob::all().filter_map(|knob| Some((knob.name(), Value::Float(knob.of(params)?))));
-    let word = |text: &str| Value::String(text.into());
-    let support = match params.support {
-        SupportParams::Wires { .. } => "wires",
-        SupportParams::Beams { .. } => "beams",
-    };
-    let torque = match params.support {
-        SupportParams::Wires { torque, .. } => Some(torque),
-        SupportParams::Beams { .. } => None,
+    let (support, torque) = match params.support {
+        SupportParams::Wires { torque, .. } => ("wires", Some(torque)),
+        SupportParams::Beams { .. } => ("beams", None),
     };
     let torque = torque.map(|torque| match torque {
-        Torque::Literal => word("literal"),
-        Torque::Cosine => word("cosine"),
+        Torque::Literal => "literal",
+        Torque::Cosine => "cosine",
     });
     let words = [
-        Some(("support", word(support))),
-        Some(("contact_law", word(params.contact.kind().name()))),
+        Some(("support", support)),
+        Some(("contact_law", params.contact.kind().name())),
         torque.map(|torque| ("torque", torque)),
     ];
     let words = words.into_iter().flatten();
+    let words = words.map(|(key, word)| (key, Value::from(word)));
     let owned = |(key, value): (&str, Value)| (key.to_owned(), value);
     numbers.chain(words).map(owned).collect()
 }

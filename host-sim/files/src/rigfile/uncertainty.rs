@@ -21,86 +21,32 @@ pub struct HalfWidth {
     of: fn(&mut Stated) -> &mut Option<f64>,
 }
 
-/// Every half-width, in the order of a file.
-pub const WIDTHS: [HalfWidth; 11] = [
-    HalfWidth {
-        key: "natural_frequency_percent",
-        meaning: "natural frequency, % either way",
-        at_least: 0.0,
-        below: 50.0,
-        of: |s| &mut s.natural_frequency_percent,
-    },
-    HalfWidth {
-        key: "amplitude_percent",
-        meaning: "cart amplitude, % either way",
-        at_least: 0.0,
-        below: 90.0,
-        of: |s| &mut s.amplitude_percent,
-    },
-    HalfWidth {
-        key: "contact_stiffness_percent",
-        meaning: "contact stiffness, % either way",
-        at_least: 0.0,
-        below: 90.0,
-        of: |s| &mut s.contact_stiffness_percent,
-    },
-    HalfWidth {
-        key: "contact_stiffness_factor",
-        meaning: "contact stiffness, largest factor up or down; instead of contact_stiffness_percent",
-        at_least: 1.0,
-        below: 1000.0,
-        of: |s| &mut s.contact_stiffness_factor,
-    },
-    HalfWidth {
-        key: "contact_damping_percent",
-        meaning: "contact damping, % either way",
-        at_least: 0.0,
-        below: 100.0,
-        of: |s| &mut s.contact_damping_percent,
-    },
-    HalfWidth {
-        key: "contact_damping_ratio_percent",
-        meaning: "contact's damping ratio, % either way; instead of contact_damping_percent",
-        at_least: 0.0,
-        below: 100.0,
-        of: |s| &mut s.contact_damping_ratio_percent,
-    },
-    HalfWidth {
-        key: "gap_tolerance_mm",
-        meaning: "gap, mm either way",
-        at_least: 0.0,
-        below: 10.0,
-        of: |s| &mut s.gap_mm,
-    },
-    HalfWidth {
-        key: "mass_percent",
-        meaning: "hammer mass, % either way",
-        at_least: 0.0,
-        below: 50.0,
-        of: |s| &mut s.mass_percent,
-    },
-    HalfWidth {
-        key: "cart_mass_percent",
-        meaning: "cart mass, % either way",
-        at_least: 0.0,
-        below: 90.0,
-        of: |s| &mut s.cart_mass_percent,
-    },
-    HalfWidth {
-        key: "shaker_loop_percent",
-        meaning: "natural frequency of the shaker's loop, % either way",
-        at_least: 0.0,
-        below: 90.0,
-        of: |s| &mut s.shaker_loop_percent,
-    },
-    HalfWidth {
-        key: "shaker_damping_percent",
-        meaning: "damping ratio of the shaker's loop, % either way",
-        at_least: 0.0,
-        below: 90.0,
-        of: |s| &mut s.shaker_damping_percent,
-    },
-];
+macro_rules! widths {
+    ($($key:ident ($field:ident): $meaning:literal, $at_least:literal..$below:literal;)*) => {
+        [$(HalfWidth {
+            key: stringify!($key),
+            meaning: $meaning,
+            at_least: $at_least,
+            below: $below,
+            of: |stated| &mut stated.$field,
+        }),*]
+    };
+}
+
+/// Every half-width, in the order of a file: its key, its field, its meaning, and its range.
+pub const WIDTHS: [HalfWidth; 11] = widths! {
+    natural_frequency_percent (natural_frequency_percent): "natural frequency, % either way", 0.0..50.0;
+    amplitude_percent (amplitude_percent): "cart amplitude, % either way", 0.0..90.0;
+    contact_stiffness_percent (contact_stiffness_percent): "contact stiffness, % either way", 0.0..90.0;
+    contact_stiffness_factor (contact_stiffness_factor): "contact stiffness, largest factor up or down; instead of contact_stiffness_percent", 1.0..1000.0;
+    contact_damping_percent (contact_damping_percent): "contact damping, % either way", 0.0..100.0;
+    contact_damping_ratio_percent (contact_damping_ratio_percent): "contact's damping ratio, % either way; instead of contact_damping_percent", 0.0..100.0;
+    gap_tolerance_mm (gap_mm): "gap, mm either way", 0.0..10.0;
+    mass_percent (mass_percent): "hammer mass, % either way", 0.0..50.0;
+    cart_mass_percent (cart_mass_percent): "cart mass, % either way", 0.0..90.0;
+    shaker_loop_percent (shaker_loop_percent): "natural frequency of the shaker's loop, % either way", 0.0..90.0;
+    shaker_damping_percent (shaker_damping_percent): "damping ratio of the shaker's loop, % either way", 0.0..90.0;
+};
 
 /// What takes each other's place.
 const ONE_OF: [[&str; 2]; 2] = [
