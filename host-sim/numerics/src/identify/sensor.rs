@@ -470,12 +470,16 @@ impl<'a> FilteredPulse<'a> {
 }
 
 impl Swing {
-    /// Real and imaginary part of exp(−t/τ + 2πift), `t` in s.
     fn at(&self, t: f64) -> [f64; 2] {
-        let size = (-t / self.decay_s).exp();
-        let (sin, cos) = (TAU * self.hz * t).sin_cos();
-        [size * cos, size * sin]
+        damped(t, self.hz, self.decay_s)
     }
+}
+
+/// Cosine and sine of a damped swing of size 1: real and imaginary part of exp(−t/τ + 2πift), `t` in s.
+pub fn damped(t: f64, hz: f64, decay_s: f64) -> [f64; 2] {
+    let (sin, cos) = (TAU * hz * t).sin_cos();
+    let size = (-t / decay_s).exp();
+    [size * cos, size * sin]
 }
 
 fn times(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
