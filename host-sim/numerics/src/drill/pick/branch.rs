@@ -1,11 +1,9 @@
 //! The nominal 1/1 on ground that gives way, followed over frequency.
 
-use shared::model::bit::Bit;
 use shared::model::params::RigParams;
-use shared::model::slider::Slider;
 
 use super::super::orbit::{DrillOrbit, shoot};
-use super::super::run::{observe, settle};
+use super::super::run::{DrillSetting, observe, settle};
 use super::observe::on;
 use crate::branch::{Branch, BranchEdge, BranchEnd, Case};
 use crate::interpolation::polynomial;
@@ -29,16 +27,14 @@ const RECORDED: u32 = 48;
 pub struct DrillCase {
     /// The rig's parameters.
     pub params: RigParams,
-    /// The ground, which gives way.
-    pub ground: Slider<f64>,
-    /// The bit between them.
-    pub bit: Option<Bit<f64>>,
+    /// Ground and bit; the cart follows the ground.
+    pub setting: DrillSetting,
 }
 
 impl DrillCase {
     /// The period-one orbit near `guess` at `hz`.
     pub fn orbit(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
-        shoot(&self.params, &self.ground, self.bit.as_ref(), hz, guess)
+        shoot(&self.params, &self.setting, hz, guess)
     }
 }
 
