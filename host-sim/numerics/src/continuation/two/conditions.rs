@@ -7,7 +7,7 @@ use super::plane::Plane;
 use super::{Codimension, Condition, TwoParameterPoint};
 use crate::continuation::family::units;
 use crate::continuation::march::{ContactMargins, onsets};
-use crate::orbit::{Monodromy, Orbit, ReturnMapImage, Section};
+use crate::orbit::{Exactness, Monodromy, Orbit, ReturnMapImage, Section};
 use crate::reference::LocatedContact;
 
 /// The equations of one curve. Its unknowns are those of the orbit and the places of both parameters.
@@ -92,7 +92,7 @@ impl System {
             return self.graze(x, params, hz).miss();
         }
         let section = self.section(x);
-        let image = ReturnMapImage::of(&params, hz, section, self.periods)?;
+        let image = ReturnMapImage::of(Exactness::FULL, &params, hz, section, self.periods)?;
         let mut miss = image.miss(section)[..n - 2].to_vec();
         let monodromy = image.monodromy;
         miss.push(match self.condition {
@@ -110,7 +110,13 @@ impl System {
             self.graze(&x, params, frequency_hz).found()?
         } else {
             let section = self.section(&x);
-            let image = ReturnMapImage::of(&params, frequency_hz, section, self.periods)?;
+            let image = ReturnMapImage::of(
+                Exactness::FULL,
+                &params,
+                frequency_hz,
+                section,
+                self.periods,
+            )?;
             of_orbit(&image.orbit(frequency_hz, section)?)
         };
         let tests = [
