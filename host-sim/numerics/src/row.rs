@@ -336,6 +336,13 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{:.0}", (value / scale).round() * scale)
 }
 
+/// The least and the largest of `values`: +∞ and −∞ of none.
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
+}
+
 /// Removes the last-digit noise of a unit conversion, so that 2.4 mm prints as 2.4.
 pub fn tidy(x: f64) -> f64 {
     let rounded = (x * 1e9).round() / 1e9;

@@ -11,7 +11,7 @@ use super::family::Node;
 use super::{Along, CurveEnd, CurveOrigin, OrbitCurve, OrbitDiagram, SettledRegime, Special};
 use crate::orbit::Stability;
 use crate::row::CartModel;
-use crate::row::tidy;
+use crate::row::{extent, tidy};
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -291,7 +291,6 @@ fn branch_row(
     names: &[CurveName],
     diagram: &OrbitDiagram,
 ) -> BranchRow {
-    let parameters = || curve.nodes.iter().map(Node::parameter);
     let ranges = |wanted: Stability| {
         stretches(&curve.nodes)
             .into_iter()
@@ -311,10 +310,7 @@ fn branch_row(
         impacts: curve.impacts(),
         periods: curve.periods(),
         orbits: curve.nodes.len(),
-        range: [
-            tidy(parameters().fold(f64::INFINITY, f64::min)),
-            tidy(parameters().fold(f64::NEG_INFINITY, f64::max)),
-        ],
+        range: extent(curve.nodes.iter().map(Node::parameter)).map(tidy),
         stable: ranges(Stability::Stable),
         largest_stable_force_ratio: largest,
         ends: curve.ends,
