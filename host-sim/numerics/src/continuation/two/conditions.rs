@@ -1,5 +1,6 @@
 //! The equations of a curve: an orbit, and what holds of it.
 
+use nalgebra::DVector;
 use shared::model::params::{ParamError, RigParams};
 
 use super::graze::{Graze, Windows};
@@ -103,13 +104,13 @@ impl System {
     }
 
     /// The point at `x`, where the equations hold. None if there is no such orbit after all.
-    pub fn point(&self, x: Vec<f64>, tangent: Vec<f64>) -> Option<TwoParameterPoint> {
+    pub fn point(&self, x: DVector<f64>, tangent: DVector<f64>) -> Option<TwoParameterPoint> {
         let n = x.len();
         let (values, params, frequency_hz) = self.plane.at_places([x[n - 2], x[n - 1]])?;
         let found = if self.condition == Condition::Grazing {
-            self.graze(&x, params, frequency_hz).found()?
+            self.graze(x.as_slice(), params, frequency_hz).found()?
         } else {
-            let section = self.section(&x);
+            let section = self.section(x.as_slice());
             let image = ReturnMapImage::of(
                 Exactness::FULL,
                 &params,

@@ -1,5 +1,7 @@
 //! Special points of one-parameter curves, at some values of the second parameter: a curve begins at each.
 
+use nalgebra::DVector;
+
 use super::conditions::System;
 use super::graze::Windows;
 use super::plane::{Plane, Scale, Varied};
@@ -136,7 +138,7 @@ fn seed(
         (system.section_unknowns(orbit.at()), false)
     };
     x.extend(places);
-    let point = system.correct_at(&x, 1)?;
+    let point = system.correct_at(&DVector::from_vec(x), 1)?;
     let impacts = orbit.impacts - u16::from(lost);
     (point.impacts == impacts).then_some(Seed { system, point })
 }

@@ -76,11 +76,8 @@ fn follow_to(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrb
     while step > END * natural_hz {
         let to_go = (limit_hz - last.frequency_hz).abs();
         if to_go == 0.0 {
-            let edge = BranchEdge {
-                frequency_hz: limit_hz,
-                end: BranchEnd::SearchLimit,
-            };
-            return (orbits, edge);
+            let (frequency_hz, end) = (limit_hz, BranchEnd::SearchLimit);
+            return (orbits, BranchEdge { frequency_hz, end });
         }
         let hz = if step >= to_go {
             limit_hz
@@ -98,11 +95,8 @@ fn follow_to(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrb
         }
     }
     let end = end_of(case, &last, last.frequency_hz + 2.0 * ahead * step);
-    let edge = BranchEdge {
-        frequency_hz: last.frequency_hz,
-        end,
-    };
-    (orbits, edge)
+    let frequency_hz = last.frequency_hz;
+    (orbits, BranchEdge { frequency_hz, end })
 }
 
 /// How the branch ends at its last orbit, seen from `beyond_hz`.
