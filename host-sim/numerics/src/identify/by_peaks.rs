@@ -15,7 +15,7 @@ use super::{IdentifiedFit, ImpactRow, Misfit};
 
 /// The peaks as residuals.
 struct ByPeaks<'a> {
-    peaks: &'a Peaks<'a>,
+    peaks: Peaks<'a>,
     unknowns: &'a Unknowns,
 }
 
@@ -50,11 +50,12 @@ pub fn fit(
 ) -> Option<IdentifiedFit> {
     let laws = unknowns.list().len();
     let about = whole.best.x[..laws].to_vec();
-    let peaks = Peaks::new(measured, params, whole, unknowns.read(&about)?)?;
-    let first = ByPeaks {
-        peaks: &peaks,
-        unknowns,
+    // The covariance of the peaks is about a point.
+    let about_point = |x: &[f64]| {
+        let peaks = Peaks::new(measured, params, whole, unknowns.read(x)?)?;
+        Some(ByPeaks { peaks, unknowns })
     };
+    let first = about_point(&about)?;
     let mut starts = unknowns.starts();
     starts.push(about);
     let searched = least_squares::from_all(
@@ -63,11 +64,8 @@ pub fn fit(
         |x| least_squares::solve(&first, x, &[], ROUNDS.1),
     )?;
     // The covariance anew, about what the peaks say.
-    let peaks = Peaks::new(measured, params, whole, unknowns.read(&searched.best.x)?)?;
-    let problem = ByPeaks {
-        peaks: &peaks,
-        unknowns,
-    };
+    let problem = about_point(&searched.best.x)?;
+    let peaks = &problem.peaks;
     let least = |x: &[f64], held: &[usize]| {
         let solved = least_squares::solve(&problem, x, held, PROFILE_ROUNDS);
         solved.unwrap_or_else(|| Solved::nowhere(x))

@@ -214,25 +214,18 @@ fn step<P: Problem>(
 pub fn covariance<P: Problem>(problem: &P, x: &[f64]) -> Option<DMatrix<f64>> {
     let here = problem.residuals(x)?;
     let columns: Option<Vec<_>> = (0..x.len()).map(|k| problem.column(x, &here, k)).collect();
-    let mut square = products(&columns?);
+    let products = products(&columns?);
     // Scaled to ones on the diagonal, so that units do not matter.
-    let scale: Vec<f64> = (0..x.len()).map(|k| square[(k, k)].sqrt()).collect();
-    for i in 0..x.len() {
-        for j in 0..x.len() {
-            let by = scale[i] * scale[j];
-            square[(i, j)] = match by > 0.0 {
-                true => square[(i, j)] / by,
-                false => f64::from(u8::from(i == j)),
-            };
-        }
-        square[(i, i)] += 1e-12;
-    }
-    let mut inverse = square.cholesky()?.inverse();
-    for i in 0..x.len() {
-        for j in 0..x.len() {
-            let by = scale[i] * scale[j];
-            inverse[(i, j)] = if by > 0.0 { inverse[(i, j)] / by } else { 0.0 };
-        }
-    }
+    let scale: Vec<f64> = (0..x.len()).map(|k| products[(k, k)].sqrt()).collect();
+    let scaled = |of: &DMatrix<f64>, own: f64| {
+        DMatrix::from_fn(x.len(), x.len(), |i, j| match scale[i] * scale[j] {
+            by if by > 0.0 => of[(i, j)] / by,
+            _ if i == j => own,
+            _ => 0.0,
+        })
+    };
+    let mut square = scaled(&products, 1.0);
+    (0..x.len()).for_each(|i| square[(i, i)] += 1e-12);
+    let inverse = scaled(&square.cholesky()?.inverse(), 0.0);
     Some(inverse)
 }
