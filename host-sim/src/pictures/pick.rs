@@ -146,7 +146,7 @@ pub fn by_regime<'a>(
 ) -> Vec<Item> {
     let mut groups: Vec<(String, Vec<Point>)> = Vec::new();
     for (row, point) in rows.filter(|(row, _)| !row.failed) {
-        let label = legend(row.outcome());
+        let label = legend(row.outcome);
         match groups.iter_mut().find(|(known, _)| *known == label) {
             Some((_, points)) => points.push(point),
             None => groups.push((label, vec![point])),
