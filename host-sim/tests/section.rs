@@ -99,7 +99,12 @@ fn a_station_has_as_many_points_as_branches() {
         assert_eq!(station.points.len(), branches, "{}", station.row.regime);
         let contacts: u16 = station.points.iter().map(|p| p.contacts).sum();
         if station.row.periods.is_some() {
-            assert_eq!(contacts, station.row.impacts, "{}", station.row.regime);
+            assert_eq!(
+                contacts,
+                station.row.regime.impacts(),
+                "{}",
+                station.row.regime
+            );
         }
     }
     let table = rows(std::slice::from_ref(&diagram));

@@ -1,7 +1,7 @@
 //! Ground that gives way: rate of penetration over gap and frequency.
 
 use files::ground::{BitWords, FEEDS, GroundAsked, feed_name};
-use numerics::drill::{DrillPlan, DrillSetting, advise, grid};
+use numerics::drill::{DrillPlan, DrillRuns, DrillSetting, grid};
 use numerics::row::tidy;
 use numerics::sweep::spread;
 use pyo3::prelude::*;
@@ -49,7 +49,8 @@ pub fn drill(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     let gaps = [tidy(rig.params.gap_m * 1e3)];
     let (rows, advice) = asked.run(frequencies.len() as u64, |watch| {
         let rows = grid(&rig, &setting, &gaps, &frequencies, plan, watch)?;
-        let advice = advise(&rig, &setting, &rows, Some(known), plan, watch)?;
+        let rig = &rig;
+        let advice = DrillRuns { rig, setting, plan }.advise(&rows, Some(known), watch)?;
         Ok((rows, advice))
     })?;
     let found = PyDict::new(py);

@@ -226,14 +226,8 @@ fn march_to(
         Some((family, if along { node } else { node.turned() }))
     });
     let Some((family, start)) = started else {
-        let frequency_hz = seed.frequency_hz;
-        return (
-            Vec::new(),
-            BranchEdge {
-                frequency_hz,
-                end: BranchEnd::Fold,
-            },
-        );
+        let (frequency_hz, end) = (seed.frequency_hz, BranchEnd::Fold);
+        return (Vec::new(), BranchEdge { frequency_hz, end });
     };
     let (nodes, ended) = march(&family, &start, limits, Until::Special);
     let end = match ended {

@@ -82,14 +82,14 @@ impl PickLimits {
             limit,
             binds: deciding & bit != 0,
             together: deciding & bit != 0 && count > 1,
-            assumed: false,
+            ..LimitUse::default()
         });
         used.collect()
     }
 }
 
 /// A limit, and whether it decided the choice.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LimitUse {
     /// Its name, with its unit.
     pub name: &'static str,
@@ -111,10 +111,8 @@ impl LimitUse {
     pub fn reserve(kept: (f64, f64)) -> Self {
         Self {
             name: if kept.0 < kept.1 { RESERVE } else { NARROW },
-            limit: None,
             binds: true,
-            together: false,
-            assumed: false,
+            ..Self::default()
         }
     }
 

@@ -5,32 +5,39 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 /// Output and its rate over the corner's angular frequency.
 pub type FilterState = [f64; 2];
 
-/// How the state decays after a time of `phase` radians of the corner with no input: the matrix exponential, row by
-/// row. `damping` is below 1.
-pub fn decay(damping: f64, phase: f64) -> [[f64; 2]; 2] {
-    let turn = (1.0 - damping * damping).sqrt();
-    let (sin, cos) = (turn * phase).sin_cos();
-    let size = (-damping * phase).exp();
-    let (c, s) = (size * cos, size * sin / turn);
-    [[c + damping * s, s], [-s, c - damping * s]]
-}
-
-/// The state after a step of `phase` radians of the corner, over which the input goes straight from `from` to `to`.
-#[inline]
-pub fn advance(
+/// A step of the filter: `phase` radians of the corner, with its decay over them.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterStep {
     damping: f64,
     phase: f64,
-    decay: &[[f64; 2]; 2],
-    state: FilterState,
-    from: f64,
-    to: f64,
-) -> FilterState {
-    // Along a ramp the output lags by 2ζ radians; what is left of the state decays.
-    let slope = (to - from) / phase;
-    let lag = 2.0 * damping * slope;
-    let rest = [state[0] - (from - lag), state[1] - slope];
-    let left = decay.map(|row| row[0] * rest[0] + row[1] * rest[1]);
-    [to - lag + left[0], slope + left[1]]
+    /// How the state decays with no input: the matrix exponential, row by row.
+    pub decay: [[f64; 2]; 2],
+}
+
+impl FilterStep {
+    /// `damping` is below 1.
+    pub fn new(damping: f64, phase: f64) -> Self {
+        let turn = (1.0 - damping * damping).sqrt();
+        let (sin, cos) = (turn * phase).sin_cos();
+        let size = (-damping * phase).exp();
+        let (c, s) = (size * cos, size * sin / turn);
+        Self {
+            damping,
+            phase,
+            decay: [[c + damping * s, s], [-s, c - damping * s]],
+        }
+    }
+
+    /// The state after the step, over which the input goes straight from `from` to `to`.
+    #[inline]
+    pub fn advance(&self, state: FilterState, from: f64, to: f64) -> FilterState {
+        // Along a ramp the output lags by 2ζ radians; what is left of the state decays.
+        let slope = (to - from) / self.phase;
+        let lag = 2.0 * self.damping * slope;
+        let rest = [state[0] - (from - lag), state[1] - slope];
+        let left = self.decay.map(|row| row[0] * rest[0] + row[1] * rest[1]);
+        [to - lag + left[0], slope + left[1]]
+    }
 }
 
 /// What a digital filter makes of a single 1: of second order, its −3 dB corner (in cycles a sample, below ½) where that of
@@ -59,9 +66,7 @@ pub fn digital(corner: f64, damping: f64) -> impl Iterator<Item = f64> {
 /// A filter stepped at a fixed time.
 #[derive(Clone, Copy, Debug)]
 pub struct LowPass {
-    damping: f64,
-    phase: f64,
-    decay: [[f64; 2]; 2],
+    step: FilterStep,
     state: FilterState,
     input: f64,
 }
@@ -69,11 +74,8 @@ pub struct LowPass {
 impl LowPass {
     /// Butterworth's, with its −3 dB corner at `corner_hz`, stepped by `step_s`, at rest at 0.
     pub fn butterworth(corner_hz: f64, step_s: f64) -> Self {
-        let phase = TAU * corner_hz * step_s;
         Self {
-            damping: FRAC_1_SQRT_2,
-            phase,
-            decay: decay(FRAC_1_SQRT_2, phase),
+            step: FilterStep::new(FRAC_1_SQRT_2, TAU * corner_hz * step_s),
             state: [0.0; 2],
             input: 0.0,
         }
@@ -81,14 +83,7 @@ impl LowPass {
 
     /// The output after a step at whose end the input is `input`.
     pub fn next(&mut self, input: f64) -> f64 {
-        self.state = advance(
-            self.damping,
-            self.phase,
-            &self.decay,
-            self.state,
-            self.input,
-            input,
-        );
+        self.state = self.step.advance(self.state, self.input, input);
         self.input = input;
         self.state[0]
     }

@@ -77,7 +77,7 @@ pub fn exponents(
     check_frequency(frequency_hz, params)?;
     let (q, v) = seeds(section);
     let carrier = Reference::<Dual<2>>::new(params, frequency_hz, q, v)?;
-    grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)
+    grow(carrier, params, frequency_hz, plan)
 }
 
 /// [`exponents`] for the smoothing method of width `epsilon_m` (m), where no direction jumps.
@@ -93,27 +93,23 @@ pub fn of_smoothed(
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let carrier = Reference::smoothed(params, frequency_hz, epsilon_m, seeds(section))?;
-    grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)
+    grow(carrier, params, frequency_hz, plan)
 }
 
 fn seeds([q, v]: [f64; 2]) -> (Dual<2>, Dual<2>) {
     (Dual::variable(q, 0), Dual::variable(v, 1))
 }
 
-/// A0 and A0 Ω in the rig's coordinate and in metres: lengths of directions are taken in these.
-fn units(params: &RigParams, frequency_hz: f64) -> Result<[f64; 4], Error> {
-    let scale = shared::model::rig::Rig::<f64>::new(params)?.coordinate_scale();
-    let omega = std::f64::consts::TAU * frequency_hz;
-    let amplitude = params.amplitude_m;
-    Ok([scale, scale * omega, amplitude, amplitude * omega])
-}
-
 fn grow(
     mut carrier: Reference<Dual<2>>,
-    units: [f64; 4],
+    params: &RigParams,
     frequency_hz: f64,
     plan: LyapunovSpan,
 ) -> Result<Exponents, Error> {
+    let scale = carrier.rig().coordinate_scale();
+    let omega = std::f64::consts::TAU * frequency_hz;
+    let amplitude = params.amplitude_m;
+    let units = [scale, scale * omega, amplitude, amplitude * omega];
     if plan.periods < BLOCKS {
         return Err(Error::LyapunovPeriods {
             periods: plan.periods,

@@ -129,8 +129,8 @@ impl NamedRig {
     }
 }
 
-/// One run. Units are in the names.
-#[derive(Clone, Debug, PartialEq)]
+/// One run. Units are in the names. As tables have it, nothing is known of a run that failed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunRow {
     /// Name of the rig.
     pub rig: String,
@@ -143,64 +143,31 @@ pub struct RunRow {
     /// Drive frequency over the natural frequency, Ω/ω.
     pub frequency_ratio: f64,
     /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
-    pub impacts: u16,
+    pub impacts: Option<u16>,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "unsettled" if the motion still changes,
-    /// as "failed" if the run failed.
+    /// Of a run that failed it is not known.
+    #[serde(skip)]
     pub regime: Regime,
-    /// Whether what the regime calls the motion may pass: it still changes.
-    pub unsettled: bool,
+    /// The regime as tables have it, unless the motion still changes or the run failed.
+    #[serde(rename = "regime")]
+    pub outcome: Outcome,
     /// Largest contact force in the recorded cycles over m g.
+    #[serde(serialize_with = "if_a_number")]
     pub force_ratio: f64,
     /// Largest contact force in the recorded cycles, N.
+    #[serde(serialize_with = "if_a_number")]
     pub force_n: f64,
     /// Approach speed of the strongest contact, m/s.
     pub approach_speed_m_per_s: Option<f64>,
     /// Duration of the strongest contact, ms.
     pub contact_time_ms: Option<f64>,
     /// Whether the hammer could not be followed: its forces are then no numbers, and its regime is not known.
+    #[serde(skip)]
     pub failed: bool,
     /// Why not, where that is known.
+    #[serde(skip)]
     pub failure: Option<MotionError>,
-}
-
-/// A row as tables have it: of a run that failed nothing is known.
-#[derive(Serialize)]
-struct Shown<'a> {
-    rig: &'a str,
-    gap_mm: f64,
-    cart: CartModel,
-    frequency_hz: f64,
-    frequency_ratio: f64,
-    impacts: Option<u16>,
-    periods: Option<u8>,
-    regime: Outcome,
-    force_ratio: Option<f64>,
-    force_n: Option<f64>,
-    approach_speed_m_per_s: Option<f64>,
-    contact_time_ms: Option<f64>,
-}
-
-impl Serialize for RunRow {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let known = |x: f64| (!self.failed).then_some(x);
-        let shown = Shown {
-            rig: &self.rig,
-            gap_mm: self.gap_mm,
-            cart: self.cart,
-            frequency_hz: self.frequency_hz,
-            frequency_ratio: self.frequency_ratio,
-            impacts: (!self.failed).then_some(self.impacts),
-            periods: self.periods,
-            regime: self.outcome(),
-            force_ratio: known(self.force_ratio),
-            force_n: known(self.force_n),
-            approach_speed_m_per_s: self.approach_speed_m_per_s,
-            contact_time_ms: self.contact_time_ms,
-        };
-        shown.serialize(serializer)
-    }
 }
 
 /// What became of a run. As text "p/n", "none", "aperiodic", "chatter", "unsettled" or "failed".
@@ -265,15 +232,20 @@ impl RunRow {
         (regime, unsettled, force_n): (Regime, bool, f64),
     ) -> Self {
         Self {
-            impacts: regime.impacts(),
+            impacts: Some(regime.impacts()),
             periods: regime.periods(),
             regime,
+            outcome: Outcome::new(regime, unsettled, false),
             force_ratio: force_n / params.weight_n(),
             force_n,
-            unsettled,
             failed: false,
             ..Self::failed(rig, params, hz)
         }
+    }
+
+    /// Whether what the regime calls the motion may pass: it still changes.
+    pub fn unsettled(&self) -> bool {
+        self.outcome == Outcome::Unsettled
     }
 
     /// The row of a run at `frequency_hz` whose hammer could not be followed.
@@ -284,10 +256,10 @@ impl RunRow {
             cart: CartModel::of(params),
             frequency_hz: tidy(frequency_hz),
             frequency_ratio: tidy(frequency_hz / params.natural_frequency_hz()),
-            impacts: 0,
+            impacts: None,
             periods: None,
             regime: Regime::None,
-            unsettled: false,
+            outcome: Outcome::Failed,
             force_ratio: f64::NAN,
             force_n: f64::NAN,
             approach_speed_m_per_s: None,
@@ -296,11 +268,10 @@ impl RunRow {
             failure: None,
         }
     }
+}
 
-    /// Its regime, or that it has not settled or failed.
-    pub fn outcome(&self) -> Outcome {
-        Outcome::new(self.regime, self.unsettled, self.failed)
-    }
+fn if_a_number<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    (!x.is_nan()).then_some(x).serialize(serializer)
 }
 
 /// Serialises a regime as its name in tables: "p/n", "none", "aperiodic" or "chatter".
@@ -334,6 +305,19 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
     let scale = 10f64.powi(-place);
     format!("{:.0}", (value / scale).round() * scale)
+}
+
+/// Which of those of its kind the `i`-th of `all` is, from 1.
+pub(crate) fn number<T, K: PartialEq>(all: &[T], i: usize, kind: impl Fn(&T) -> K) -> usize {
+    let before = all[..i].iter().filter(|one| kind(one) == kind(&all[i]));
+    1 + before.count()
+}
+
+/// The least and the largest of `values`: +∞ and −∞ of none.
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
 }
 
 /// Removes the last-digit noise of a unit conversion, so that 2.4 mm prints as 2.4.

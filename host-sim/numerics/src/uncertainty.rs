@@ -113,41 +113,43 @@ impl Stated {
     /// The uncertainty of a rig whose cart recoils or not: what is stated, else the usual widths. What only a cart that
     /// recoils feels has no width for one that does not.
     pub fn complete(&self, samples: u32, seed: u64, recoils: bool) -> Uncertainty {
-        let usual = Uncertainty::usual(recoils);
-        let of_recoil =
-            |stated: Option<f64>, usual: f64| stated.filter(|_| recoils).unwrap_or(usual);
-        let damping = match self.contact_damping_ratio_percent {
-            Some(_) => 0.0,
-            None => self
-                .contact_damping_percent
-                .unwrap_or(usual.contact_damping_percent),
-        };
-        let stiffness = match self.contact_stiffness_factor {
-            Some(_) => 0.0,
-            None => self
-                .contact_stiffness_percent
-                .unwrap_or(usual.contact_stiffness_percent),
-        };
-        Uncertainty {
-            natural_frequency_percent: self
-                .natural_frequency_percent
-                .unwrap_or(usual.natural_frequency_percent),
-            amplitude_percent: self.amplitude_percent.unwrap_or(usual.amplitude_percent),
-            contact_stiffness_percent: stiffness,
+        let of_recoil = |stated: Option<f64>| stated.filter(|_| recoils);
+        let replaced = |by: Option<f64>| by.map(|_| 0.0);
+        let stiffness = replaced(self.contact_stiffness_factor).or(self.contact_stiffness_percent);
+        let damping = replaced(self.contact_damping_ratio_percent).or(self.contact_damping_percent);
+        let mut all = Uncertainty {
             contact_stiffness_factor: self.contact_stiffness_factor,
-            contact_damping_percent: damping,
             contact_damping_ratio_percent: self.contact_damping_ratio_percent,
-            gap_mm: self.gap_mm.unwrap_or(usual.gap_mm),
             samples,
             seed,
-            mass_percent: self.mass_percent.unwrap_or(usual.mass_percent),
-            cart_mass_percent: of_recoil(self.cart_mass_percent, usual.cart_mass_percent),
-            shaker_loop_percent: of_recoil(self.shaker_loop_percent, usual.shaker_loop_percent),
-            shaker_damping_percent: of_recoil(
-                self.shaker_damping_percent,
-                usual.shaker_damping_percent,
+            ..Uncertainty::usual(recoils)
+        };
+        for (width, stated) in [
+            (
+                &mut all.natural_frequency_percent,
+                self.natural_frequency_percent,
             ),
+            (&mut all.amplitude_percent, self.amplitude_percent),
+            (&mut all.contact_stiffness_percent, stiffness),
+            (&mut all.contact_damping_percent, damping),
+            (&mut all.gap_mm, self.gap_mm),
+            (&mut all.mass_percent, self.mass_percent),
+            (
+                &mut all.cart_mass_percent,
+                of_recoil(self.cart_mass_percent),
+            ),
+            (
+                &mut all.shaker_loop_percent,
+                of_recoil(self.shaker_loop_percent),
+            ),
+            (
+                &mut all.shaker_damping_percent,
+                of_recoil(self.shaker_damping_percent),
+            ),
+        ] {
+            *width = stated.unwrap_or(*width);
         }
+        all
     }
 }
 

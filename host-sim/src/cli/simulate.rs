@@ -165,21 +165,23 @@ fn text(answer: &RunAnswer, recorder: &CycleRecorder) -> String {
     );
     let meaning = match row.regime {
         Regime::None => "no contact in the recorded cycles".to_owned(),
-        _ if row.unsettled => unsettled(answer),
+        _ if row.unsettled() => unsettled(answer),
         Regime::Aperiodic { .. } => format!(
             "no repetition within 16 drive periods ({} contacts in the last 16)",
-            row.impacts
+            row.regime.impacts()
         ),
-        Regime::Chatter { .. } => format!("{} contacts that die out into a stay", row.impacts),
+        Regime::Chatter { .. } => {
+            format!("{} contacts that die out into a stay", row.regime.impacts())
+        }
         Regime::Periodic { .. } => format!(
             "{} in {}",
-            count(usize::from(row.impacts), "contact"),
+            count(usize::from(row.regime.impacts()), "contact"),
             count(usize::from(row.periods.unwrap_or(0)), "drive period")
         ),
     };
-    text += &format!("  regime         {}: {meaning}\n", row.outcome());
+    text += &format!("  regime         {}: {meaning}\n", row.outcome);
     if let (Some(cycles), Some(seconds), false) =
-        (answer.settling_cycles, answer.settling_s, row.unsettled)
+        (answer.settling_cycles, answer.settling_s, row.unsettled())
     {
         text += &format!(
             "  settles        the motion repeats from drive period {cycles} on, {seconds:.1} s after the start\n"
@@ -243,7 +245,7 @@ fn figure(
                 strobes.clone(),
             )),
     };
-    Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome()))
+    Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome))
         .subtitle(format!(
             "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; drive phase 0 of all {} recorded.",
             row.frequency_ratio, row.force_n, row.force_ratio, section.len()

@@ -10,7 +10,7 @@ use numerics::NamedRig;
 use numerics::bifurcation::{BifurcationDiagram, DiagramRequest, Station, diagrams};
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
-use numerics::row::{RunRow, tidy};
+use numerics::row::{Outcome, RunRow, tidy};
 use numerics::sweep::{Direction, spread};
 
 /// Sweeps of one rig at one gap: from rest, up and down.
@@ -57,7 +57,7 @@ pub fn curves(
     let found: Vec<Vec<BifurcationDiagram>> = found.collect::<Result<_, _>>()?;
     // The figures name the regime of every run, also of one that still changes.
     let named = |station: &Station| RunRow {
-        unsettled: false,
+        outcome: Outcome::new(station.row.regime, false, station.row.failed),
         ..station.row.clone()
     };
     let mut curves = Vec::new();

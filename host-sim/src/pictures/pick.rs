@@ -145,10 +145,7 @@ pub fn by_regime<'a>(
     item: fn(&str, Vec<Point>) -> Item,
 ) -> Vec<Item> {
     let known = rows.filter(|(row, _)| !row.failed);
-    grouped(
-        known.map(|(row, point)| (legend(row.outcome()), point)),
-        item,
-    )
+    grouped(known.map(|(row, point)| (legend(row.outcome), point)), item)
 }
 
 /// Points as one item for each label, in the order in which the labels come.

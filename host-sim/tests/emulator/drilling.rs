@@ -4,7 +4,7 @@
 use emulator::ground::PlantGround;
 use emulator::plant::Plant;
 use emulator::shaker::ShakerParams;
-use numerics::drill::{Drill, Feed};
+use numerics::drill::{Drill, DrillSetting, Feed};
 use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::params::{BEAM_150, RigParams, WIRES};
 use shared::model::slider::Slider;
@@ -52,7 +52,12 @@ fn assert_alike(plant: Plant, params: &RigParams, hz: f64, threshold: f64) {
     let mut plant = plant.on_ground(Some(ground));
     plant.set_state(on_the_sine(params, hz, rest(params), 0.0));
     let seen = contacts(&mut plant, params, hz, TICK_S, f64::from(PERIODS) / hz);
-    let mut drill = Drill::<f64>::through(params, &slider, None, Feed::Speed(0.0), hz).unwrap();
+    let mut drill = Drill::<f64>::through(
+        params,
+        &DrillSetting::new(slider, None, Feed::Speed(0.0)),
+        hz,
+    )
+    .unwrap();
     let mut truth = Vec::new();
     for _ in 0..PERIODS {
         drill.run_period(&mut truth);

@@ -4,8 +4,7 @@ mod recoil;
 
 use numerics::engine::Engine;
 use numerics::lanes::{
-    Cell, CellOutcome, CellPlan, Instructions, Report, each_by_engine, run, run_reported,
-    run_serial, run_with,
+    Cell, CellOutcome, CellPlan, Instructions, Report, each_by_engine, run, run_reported, run_with,
 };
 use rand::{Rng, SeedableRng};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
@@ -18,6 +17,13 @@ use shared::model::rig::Rig;
 fn by_reference(cells: &[Cell], plan: &CellPlan) -> Vec<CellOutcome> {
     let all = each_by_engine(Engine::Event, cells, plan);
     all.into_iter().map(Result::unwrap).collect()
+}
+
+/// The cells in this thread.
+fn serial(cells: &[Cell]) -> Vec<CellOutcome> {
+    run_with(Instructions::Widest, cells, &CellPlan::CHAPTER)
+        .unwrap()
+        .0
 }
 
 fn cell(rig: RigParams, gap_m: f64, frequency_hz: f64) -> Cell {
@@ -158,10 +164,10 @@ fn every_instruction_set_gives_the_same_bytes() {
 fn chunks_and_threads_change_nothing() {
     let cells = sample(300, 3);
     let whole = run(&cells, &CellPlan::CHAPTER).unwrap();
-    assert_eq!(whole, run_serial(&cells, &CellPlan::CHAPTER).unwrap());
+    assert_eq!(whole, serial(&cells));
     let mut pieces = Vec::new();
     for piece in cells.chunks(37) {
-        pieces.extend(run_serial(piece, &CellPlan::CHAPTER).unwrap());
+        pieces.extend(serial(piece));
     }
     assert_eq!(whole, pieces);
     let three = rayon::ThreadPoolBuilder::new()

@@ -77,7 +77,7 @@ fn orbit() -> Orbit {
 fn orbit_error(orbit: &Orbit, stepper: impl Stepper<f64>, tick_s: f64, periods: u32) -> f64 {
     let (params, section) = (params(), orbit.section);
     let mut stepped =
-        Switch::<f64, _>::new(stepper, &params, orbit.frequency_hz, tick_s, section).unwrap();
+        Switch::<f64, _>::new(stepper, (&params, orbit.frequency_hz, tick_s, section)).unwrap();
     close(
         "frequency",
         stepped.frequency_hz(),

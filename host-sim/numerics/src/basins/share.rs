@@ -3,6 +3,8 @@
 
 use serde::Serialize;
 
+use crate::row::extent;
+
 /// Standard normal quantile of a two-sided 95 % interval.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -77,8 +79,7 @@ pub fn on_grid(
         return (share, None);
     }
     let quarters = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| count(c, r, 2));
-    let low = quarters.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = quarters.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extent(quarters.into_iter());
     (share, Some(0.5 * (high - low)))
 }
 

@@ -61,7 +61,7 @@ impl BifurcationAnswer {
             gap_mm: d.gap_mm,
             direction: d.direction.name(),
             frequencies: d.stations.len(),
-            not_settled: d.stations.iter().filter(|s| s.row.unsettled).count(),
+            not_settled: d.stations.iter().filter(|s| s.row.unsettled()).count(),
             changes: d.changes.clone(),
             measured_displacement_mm: measured
                 .filter(|m| !m.displacement_mm.is_empty())

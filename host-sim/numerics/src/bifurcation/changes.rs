@@ -120,7 +120,7 @@ pub fn find(diagram: &BifurcationDiagram) -> Vec<RegimeChange> {
         }
     }
     let known =
-        |run: &std::ops::Range<usize>| !stations[run.clone()].iter().all(|s| s.row.unsettled);
+        |run: &std::ops::Range<usize>| !stations[run.clone()].iter().all(|s| s.row.unsettled());
     let few = |run: &std::ops::Range<usize>| {
         let first = &stations[run.start];
         run.len() < LASTING && !first.row.failed && label(first) == APERIODIC
@@ -181,7 +181,7 @@ fn change(
 
 /// What counts as the same motion: p/n; all that does not repeat is one. Where an alternation dies out, it is half of p/n.
 fn label(station: &Station) -> Regime {
-    let dies = station.row.unsettled && !station.grows;
+    let dies = station.row.unsettled() && !station.grows;
     match station.row.regime {
         Regime::Periodic { impacts, periods } if dies => Regime::Periodic {
             impacts: impacts / 2,
@@ -308,7 +308,7 @@ pub fn locate(
             let side = usize::from(!is_below);
             inside.hz[side] = cell.frequency_hz;
             // What alternates beside a doubling has not settled.
-            if !found.row.unsettled {
+            if !found.row.unsettled() {
                 inside.motions[side] = label(&found);
             }
         }
@@ -363,8 +363,8 @@ pub fn twofold(up: &BifurcationDiagram, down: &BifurcationDiagram) -> Vec<Twofol
         gap_mm: up.gap_mm,
         from_hz: up_rows[r[0]].frequency_hz,
         to_hz: up_rows[r[r.len() - 1]].frequency_hz,
-        up: up_rows[r[0]].outcome(),
-        down: down_rows[r[0]].outcome(),
+        up: up_rows[r[0]].outcome,
+        down: down_rows[r[0]].outcome,
     };
     ranges.map(range).collect()
 }

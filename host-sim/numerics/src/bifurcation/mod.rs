@@ -335,7 +335,7 @@ pub fn rows(diagrams: &[BifurcationDiagram]) -> Vec<SectionPointRow> {
                 direction: diagram.direction.name(),
                 frequency_hz: station.row.frequency_hz,
                 frequency_ratio: station.row.frequency_ratio,
-                regime: station.row.outcome(),
+                regime: station.row.outcome,
                 displacement_mm: p.map(|p| p.displacement_mm),
                 relative_velocity_m_per_s: p.map(|p| p.velocity_m_per_s),
                 force_n: p.map(|p| p.force_n),

@@ -11,6 +11,7 @@ use shared::model::regime::Regime;
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, RecordError};
 use crate::identify::{EVERY_CONTACT, MeasuredImpacts, measure};
+use crate::row::extent;
 use crate::signal::Signal;
 pub use align::pitch;
 pub use simulated::{SimulatedInstant, SimulatedMotion};
@@ -254,7 +255,10 @@ fn errors(
         |r| r.simulated_displacement_mm,
     );
     let force = Difference::of(rows, |r| r.measured_force_n, |r| r.simulated_force_n);
-    let travel = signal.displacement_mm.as_deref().map(peak_to_peak);
+    let travel = signal.displacement_mm.as_ref().map(|all| {
+        let [low, high] = extent(all.iter().copied());
+        high - low
+    });
     let found = signal.force_n.as_ref();
     let found = found.and_then(|_| measure(signal, &EVERY_CONTACT).ok());
     let contacts = found.as_ref().and_then(Contacts::of);
@@ -321,11 +325,6 @@ impl Difference {
             }
         })
     }
-}
-
-fn peak_to_peak(values: &[f64]) -> f64 {
-    let high = values.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
-    high - values.iter().fold(f64::INFINITY, |m, x| m.min(*x))
 }
 
 /// The contacts of a force at the record's instants.

@@ -4,6 +4,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::{CycleRecorder, Plan, RecordedSample, machine, observe};
 use crate::error::Error;
+use crate::row::extent;
 
 use super::{ComparisonRequest, MeasuredFrame};
 
@@ -141,8 +142,8 @@ impl SimulatedMotion {
         let mix = |x: f64, y: f64| x + share * (y - x);
         let (da, db) = (frame.of(a), frame.of(b));
         SimulatedInstant {
-            displacement_mm: mix(da.0, db.0),
-            velocity_m_per_s: mix(da.1, db.1),
+            displacement_mm: mix(da.displacement_mm, db.displacement_mm),
+            velocity_m_per_s: mix(da.velocity_m_per_s, db.velocity_m_per_s),
             force_n: mix(a.force_n, b.force_n),
         }
     }
@@ -160,16 +161,7 @@ impl SimulatedMotion {
             samples.map(move |sample| (turn as f64 * span + sample.time_s, sample))
         });
         all.filter(|(time_s, _)| (from_s..=to_s).contains(time_s))
-            .map(|(time_s, sample)| {
-                let (displacement_mm, velocity_m_per_s) = frame.of(sample);
-                let force_n = sample.force_n;
-                let at = SimulatedInstant {
-                    displacement_mm,
-                    velocity_m_per_s,
-                    force_n,
-                };
-                (time_s, at)
-            })
+            .map(|(time_s, sample)| (time_s, frame.of(sample)))
             .collect()
     }
 
@@ -218,8 +210,8 @@ impl SimulatedMotion {
 
     /// Farthest to farthest, mm.
     pub fn peak_to_peak_mm(&self, frame: MeasuredFrame) -> f64 {
-        let all = || self.samples.iter().map(|s| frame.of(s).0);
-        all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+        let [low, high] = extent(self.samples.iter().map(|s| frame.of(s).displacement_mm));
+        high - low
     }
 
     /// Displacement (mm) and velocity (m/s) at each drive phase 0.
@@ -251,14 +243,19 @@ fn with_jumps(samples: Vec<RecordedSample>) -> Vec<RecordedSample> {
 }
 
 impl MeasuredFrame {
-    /// Displacement (mm) and velocity (m/s) of a sample in this frame.
-    pub fn of(self, sample: &RecordedSample) -> (f64, f64) {
-        match self {
+    /// A sample in this frame.
+    pub fn of(self, sample: &RecordedSample) -> SimulatedInstant {
+        let (displacement_mm, velocity_m_per_s) = match self {
             Self::Fixed => (sample.displacement_mm, sample.velocity_m_per_s),
             Self::Relative => (
                 sample.relative_displacement_mm,
                 sample.relative_velocity_m_per_s,
             ),
+        };
+        SimulatedInstant {
+            displacement_mm,
+            velocity_m_per_s,
+            force_n: sample.force_n,
         }
     }
 }

@@ -100,47 +100,37 @@ pub fn rows(
             law: name.to_owned(),
             speed_m_per_s: *speed,
         })?;
-        Ok(row(name, &params, &rig, &course, &pull))
+        let contact = &course.contact;
+        let (v, u) = (
+            contact.approach_speed_m_per_s,
+            contact.rebound_speed_m_per_s,
+        );
+        // A force that has died away changes its sign by rounding.
+        let pulls = pull.force_n > 1e-9 * contact.peak_force_n;
+        let energy = |speed: f64| 0.5 * params.mass_kg * speed * speed;
+        let missing = energy(v) - energy(u);
+        let deepest = motion(&rig, &course, 400)
+            .iter()
+            .fold(0.0_f64, |d, p| d.max(p.penetration_m));
+        Ok(ContactFigures {
+            law: name.to_owned(),
+            approach_speed_m_per_s: crate::row::tidy(v),
+            contact_time_ms: contact.duration_s * 1e3,
+            restitution: u / v,
+            force_n: contact.peak_force_n,
+            force_ratio: contact.peak_force_n / params.weight_n(),
+            peak_after_ms: (contact.peak_at_s - contact.onset_s) * 1e3,
+            impulse_n_s: contact.impulse_n_s,
+            penetration_um: deepest * 1e6,
+            energy_in_j: energy(v),
+            energy_lost_j: contact.energy_lost_j,
+            energy_imbalance: (contact.energy_lost_j - missing) / energy(v),
+            pull_share: if pulls { pull.share } else { 0.0 },
+            pull_n: if pulls { pull.force_n } else { 0.0 },
+            pulling_restitution: pull.restitution,
+        })
     };
     speeds.iter().map(row).collect()
-}
-
-fn row(
-    name: &str,
-    params: &RigParams,
-    rig: &Rig<f64>,
-    course: &Course,
-    pull: &Pull,
-) -> ContactFigures {
-    let contact = &course.contact;
-    let (v, u) = (
-        contact.approach_speed_m_per_s,
-        contact.rebound_speed_m_per_s,
-    );
-    // A force that has died away changes its sign by rounding.
-    let pulls = pull.force_n > 1e-9 * contact.peak_force_n;
-    let energy = |speed: f64| 0.5 * params.mass_kg * speed * speed;
-    let missing = energy(v) - energy(u);
-    let deepest = motion(rig, course, 400)
-        .iter()
-        .fold(0.0_f64, |d, p| d.max(p.penetration_m));
-    ContactFigures {
-        law: name.to_owned(),
-        approach_speed_m_per_s: crate::row::tidy(v),
-        contact_time_ms: contact.duration_s * 1e3,
-        restitution: u / v,
-        force_n: contact.peak_force_n,
-        force_ratio: contact.peak_force_n / params.weight_n(),
-        peak_after_ms: (contact.peak_at_s - contact.onset_s) * 1e3,
-        impulse_n_s: contact.impulse_n_s,
-        penetration_um: deepest * 1e6,
-        energy_in_j: energy(v),
-        energy_lost_j: contact.energy_lost_j,
-        energy_imbalance: (contact.energy_lost_j - missing) / energy(v),
-        pull_share: if pulls { pull.share } else { 0.0 },
-        pull_n: if pulls { pull.force_n } else { 0.0 },
-        pulling_restitution: pull.restitution,
-    }
 }
 
 /// An instant of a contact.

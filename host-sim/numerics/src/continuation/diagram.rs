@@ -118,26 +118,35 @@ impl OrbitCurve {
         }
     }
 
+    /// Neighbouring orbits between which the parameter is, and how far from the first to the second.
+    fn pairs_at(&self, parameter: f64) -> impl Iterator<Item = (&Node, &Node, f64)> {
+        let pairs = self.nodes.windows(2).map(move |pair| {
+            let (a, b) = (&pair[0], &pair[1]);
+            (
+                a,
+                b,
+                (parameter - a.parameter()) / (b.parameter() - a.parameter()),
+            )
+        });
+        pairs.filter(|(.., s)| (0.0..=1.0).contains(s))
+    }
+
     /// Whether one of its orbits at the parameter of `place` has a section point there, as the chord between two
     /// orbits tells.
     fn is_near(&self, place: CurvePlace) -> bool {
-        let parameter = place[2];
-        self.nodes.windows(2).any(|pair| {
-            let (a, b) = (&pair[0], &pair[1]);
-            let s = (parameter - a.parameter()) / (b.parameter() - a.parameter());
-            if !(0.0..=1.0).contains(&s) || a.orbit.strobes.len() != b.orbit.strobes.len() {
-                return false;
-            }
-            let strobes = a.orbit.strobes.iter().zip(&b.orbit.strobes);
-            strobes.into_iter().any(|(x, y)| {
-                let from = self.family.place(on_course(*x), a.parameter());
-                let to = self.family.place(on_course(*y), b.parameter());
-                let step = minus(to, from);
-                let off = minus(place, between(from, to, s));
-                let [q, v, ..] = off;
-                // A curve that turns by 18° per step leaves its chord by a twenty-fifth of it.
-                q.hypot(v) < 1e-4 + 0.1 * dot(step, step).sqrt()
-            })
+        self.pairs_at(place[2]).any(|(a, b, s)| {
+            let mut strobes = a.orbit.strobes.iter().zip(&b.orbit.strobes);
+            let alike = a.orbit.strobes.len() == b.orbit.strobes.len();
+            alike
+                && strobes.any(|(x, y)| {
+                    let from = self.family.place(on_course(*x), a.parameter());
+                    let to = self.family.place(on_course(*y), b.parameter());
+                    let step = minus(to, from);
+                    let off = minus(place, between(from, to, s));
+                    let [q, v, ..] = off;
+                    // A curve that turns by 18° per step leaves its chord by a twenty-fifth of it.
+                    q.hypot(v) < 1e-4 + 0.1 * dot(step, step).sqrt()
+                })
         })
     }
 
@@ -147,12 +156,7 @@ impl OrbitCurve {
         const SAME: f64 = 1e-6;
         let parameter = node.parameter();
         let strobes = &node.orbit.strobes;
-        self.nodes.windows(2).any(|pair| {
-            let (a, b) = (&pair[0], &pair[1]);
-            let s = (parameter - a.parameter()) / (b.parameter() - a.parameter());
-            if !(0.0..=1.0).contains(&s) {
-                return false;
-            }
+        self.pairs_at(parameter).any(|(a, b, s)| {
             let mut guess = between(a.place, b.place, s);
             guess[2] = parameter;
             let step = minus(b.place, a.place);
@@ -248,17 +252,13 @@ pub fn diagram(
 impl OrbitDiagram {
     /// Follows the curve on which a simulation settled, if it is a new one.
     fn take(&mut self, family: &Family, seed: &Seed, progress: &dyn Progress) -> Result<(), Error> {
-        let family = family.with_periods(seed.periods);
-        let node = family.node_at(seed.parameter, on_course(seed.section));
+        let family = family.with_periods(seed.at.periods);
+        let node = family.node_at(seed.at.parameter, on_course(seed.section));
         let own = node.filter(|node| {
-            node.orbit.impacts == seed.impacts && node.orbit.stability() != Stability::Unstable
+            node.orbit.impacts == seed.at.impacts && node.orbit.stability() != Stability::Unstable
         });
         let Some(node) = own else {
-            self.elsewhere.push(SettledRegime {
-                parameter: seed.parameter,
-                impacts: seed.impacts,
-                periods: seed.periods,
-            });
+            self.elsewhere.push(seed.at);
             return Ok(());
         };
         if let Some(shorter) = shorter(&family, &node, seed) {
@@ -282,8 +282,9 @@ impl OrbitDiagram {
 
     /// Whether a simulation settled on one of the curves, judged by its section alone.
     fn has(&self, family: &Family, seed: &Seed) -> bool {
-        let place = family.place(on_course(seed.section), seed.parameter);
-        let alike = |c: &&OrbitCurve| c.periods() == seed.periods && c.impacts() == seed.impacts;
+        let place = family.place(on_course(seed.section), seed.at.parameter);
+        let alike =
+            |c: &&OrbitCurve| c.periods() == seed.at.periods && c.impacts() == seed.at.impacts;
         (self.curves.iter().filter(alike)).any(|c| c.is_near(place))
     }
 }
@@ -293,19 +294,20 @@ impl OrbitDiagram {
 fn shorter(family: &Family, node: &Node, seed: &Seed) -> Option<Seed> {
     /// Section points closer than this, in units of a place, are one.
     const SAME: f64 = 1e-6;
-    let periods = seed.periods;
+    let periods = seed.at.periods;
     let factor = (2..=periods).rev().find(|factor| {
         let apart = family.place(on_course(node.orbit.asymmetry(*factor, [1.0; 2])), 0.0);
         periods.is_multiple_of(*factor)
-            && seed.impacts.is_multiple_of(u16::from(*factor))
+            && seed.at.impacts.is_multiple_of(u16::from(*factor))
             && dot(apart, apart).sqrt() < SAME
     })?;
-    Some(Seed {
-        section: node.orbit.section,
-        impacts: seed.impacts / u16::from(factor),
+    let at = SettledRegime {
+        impacts: seed.at.impacts / u16::from(factor),
         periods: periods / factor,
-        ..*seed
-    })
+        ..seed.at
+    };
+    let section = node.orbit.section;
+    Some(Seed { at, section })
 }
 
 fn known(curves: &[OrbitCurve], node: &Node) -> bool {
@@ -352,12 +354,10 @@ fn follow_doublings(
     Ok(())
 }
 
-/// What a simulation settled on.
+/// What a simulation settled on, and the section at its end.
 struct Seed {
-    parameter: f64,
+    at: SettledRegime,
     section: [f64; 2],
-    impacts: u16,
-    periods: u8,
 }
 
 /// Orbits on which simulations at so many values of the parameter settled, shorter periods first; and how many of the
@@ -400,14 +400,15 @@ fn seeds(
             && periods <= request.periods
             && impacts <= request.impacts
         {
-            found.push(Seed {
+            let at = SettledRegime {
                 parameter,
-                section: outcome.section,
                 impacts,
                 periods,
-            });
+            };
+            let section = outcome.section;
+            found.push(Seed { at, section });
         }
     }
-    found.sort_by_key(|seed| (seed.periods, seed.impacts));
+    found.sort_by_key(|seed| (seed.at.periods, seed.at.impacts));
     Ok((found, failed))
 }

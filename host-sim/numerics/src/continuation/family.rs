@@ -7,7 +7,7 @@ use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::Rig;
 
 use crate::knob::Knob;
-use crate::orbit::{CLOSURE, Orbit, ReturnMapImage, Section, after_periods, largest};
+use crate::orbit::{CLOSURE, Exactness, Orbit, ReturnMapImage, Section, carried, largest};
 
 /// What is varied along a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,7 +206,13 @@ impl Family {
                 return None;
             }
             let section = self.section(&place);
-            let image = ReturnMapImage::of(&params, frequency_hz, section, self.periods)?;
+            let image = ReturnMapImage::of(
+                Exactness::FULL,
+                &params,
+                frequency_hz,
+                section,
+                self.periods,
+            )?;
             let miss = image.miss(section);
             if !largest(miss).is_finite() {
                 return None;
@@ -247,9 +253,10 @@ impl Family {
     fn rows(&self, image: &ReturnMapImage, place: &CurvePlace) -> Option<[CurvePlace; 4]> {
         let monodromy = image.monodromy;
         let section = self.section(place);
+        let turns = (0.0, f64::from(self.periods));
         let ahead = place[PARAMETER] + DIFFERENCE;
         let (params, frequency_hz) = self.at(ahead);
-        let there = after_periods(&params, frequency_hz, section, self.periods)?;
+        let there = carried(&params, frequency_hz, section, turns, &mut ())?;
         let miss = image.miss(section);
         Some([0, 1, 2, 3].map(|i| {
             let by = |j: usize| {

@@ -11,7 +11,7 @@ use super::family::Node;
 use super::{Along, CurveEnd, CurveOrigin, OrbitCurve, OrbitDiagram, SettledRegime, Special};
 use crate::orbit::Stability;
 use crate::row::CartModel;
-use crate::row::tidy;
+use crate::row::{extent, number, tidy};
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,27 +257,20 @@ fn seen_rows(seen: &[SettledRegime]) -> Vec<SeenRow> {
 /// Names of the curves of `diagram`, in their order.
 pub fn names(diagram: &OrbitDiagram) -> Vec<CurveName> {
     let curves = &diagram.curves;
-    let name = |(i, curve): (usize, &OrbitCurve)| {
-        let before = curves[..i].iter().filter(|c| c.regime() == curve.regime());
-        CurveName::Branch {
-            impacts: curve.impacts(),
-            periods: curve.periods(),
-            number: 1 + before.count(),
-        }
+    let name = |(i, curve): (usize, &OrbitCurve)| CurveName::Branch {
+        impacts: curve.impacts(),
+        periods: curve.periods(),
+        number: number(curves, i, OrbitCurve::regime),
     };
     curves.iter().enumerate().map(name).collect()
 }
 
 /// Rows of the special points on lines over gap and frequency, named by kind and number.
 pub fn line_rows(params: &RigParams, lines: &[SpecialLine]) -> Vec<SpecialRow> {
-    let number = |i: usize| {
-        let kind = lines[i].special;
-        1 + lines[..i].iter().filter(|l| l.special == kind).count()
-    };
     let rows = lines.iter().enumerate().flat_map(|(i, line)| {
         let name = CurveName::Line {
             special: line.special,
-            number: number(i),
+            number: number(lines, i, |line| line.special),
         };
         let row = move |node: &Node| special_at(params, node, line.special, name);
         line.nodes.iter().map(row).collect::<Vec<_>>()
@@ -291,7 +284,6 @@ fn branch_row(
     names: &[CurveName],
     diagram: &OrbitDiagram,
 ) -> BranchRow {
-    let parameters = || curve.nodes.iter().map(Node::parameter);
     let ranges = |wanted: Stability| {
         stretches(&curve.nodes)
             .into_iter()
@@ -311,10 +303,7 @@ fn branch_row(
         impacts: curve.impacts(),
         periods: curve.periods(),
         orbits: curve.nodes.len(),
-        range: [
-            tidy(parameters().fold(f64::INFINITY, f64::min)),
-            tidy(parameters().fold(f64::NEG_INFINITY, f64::max)),
-        ],
+        range: extent(curve.nodes.iter().map(Node::parameter)).map(tidy),
         stable: ranges(Stability::Stable),
         largest_stable_force_ratio: largest,
         ends: curve.ends,

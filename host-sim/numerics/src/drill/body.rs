@@ -6,6 +6,7 @@ use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Kinematics, Rig};
 use shared::model::slider::Slider;
 
+use super::flow::Energies;
 use crate::flow::Scalar;
 
 /// A free mass under a static and a harmonic force: x'' = (b + a cos Ωt − F)/m.
@@ -77,19 +78,6 @@ pub struct BodyPlace<R> {
     /// Rate of the depth, m/s.
     pub rate: R,
     hammer: Option<Kinematics<R>>,
-}
-
-/// Powers at an instant, W.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Powers {
-    /// Of the drive, on the body.
-    pub drive: f64,
-    /// That the support's damping takes.
-    pub damping: f64,
-    /// That the contact force takes from the body, as its equation of motion has it.
-    pub contact: f64,
-    /// Of the shaker, on the cart that recoils.
-    pub shaker: f64,
 }
 
 impl<R: Scalar> Body<R> {
@@ -217,19 +205,19 @@ impl<R: Scalar> Body<R> {
         force: R,
         off: [R; 2],
         motion: &BodyAccelerations<R>,
-    ) -> Powers {
+    ) -> Energies {
         match (self, &at.hammer) {
-            (Self::Hammer(carried), Some(at)) => Powers {
+            (Self::Hammer(carried), Some(at)) => Energies {
                 drive: carried.rig.inertial_power(at, motion.drive).to_f64(),
                 damping: carried.rig.damping_power(v).to_f64(),
                 contact: carried.rig.contact_power(at, v, force).to_f64(),
                 shaker: carried.shaker_power(angle, off),
+                ..Energies::default()
             },
-            _ => Powers {
+            _ => Energies {
                 drive: (motion.drive * v).to_f64(),
-                damping: 0.0,
                 contact: (force * v).to_f64(),
-                shaker: 0.0,
+                ..Energies::default()
             },
         }
     }

@@ -188,17 +188,13 @@ impl<R: Scalar> DrillFlow<'_, R> {
             ];
         }
         Energies {
-            drive: body.drive,
-            damping: body.damping,
-            contact: body.contact,
             ground: (now.ground * speed).to_f64(),
             dashpot: self.slider.dashpot_power(self.touch, p.e, speed).to_f64(),
-            progress: 0.0,
             impulse: force.to_f64(),
-            shaker: body.shaker,
             bit: bit[0],
             bit_drive: bit[1],
             bit_heat: bit[2],
+            ..body
         }
     }
 

@@ -10,6 +10,7 @@ use shared::model::slider::{Slider, Touch};
 use super::blow::{Feed, GroundBlow};
 use super::body::{Body, Carried, FreeMass, resting};
 use super::flow::{DrillFlow, DrillPoint, Energies};
+use super::run::DrillSetting;
 use crate::flow::{Pace, Scalar, StepEnded};
 use crate::reference::TOLERANCE;
 
@@ -74,17 +75,16 @@ impl<R: Scalar> Drill<R> {
     /// If `frequency_hz` is not a positive number.
     pub fn through(
         params: &RigParams,
-        slider: &Slider<f64>,
-        bit: Option<&Bit<f64>>,
-        feed: Feed,
+        setting: &DrillSetting,
         frequency_hz: f64,
     ) -> Result<Self, ParamError> {
+        let slider = &setting.ground;
         slider.check()?;
         let rest = resting(params, slider)?;
         let body = Body::Hammer(Carried::new(params, TAU * frequency_hz)?);
         let fastest = frequency_hz.max(params.natural_frequency_hz());
-        let mut drill = Self::new(body, slider, feed, frequency_hz, fastest);
-        if let Some(bit) = bit {
+        let mut drill = Self::new(body, slider, setting.feed, frequency_hz, fastest);
+        if let Some(bit) = &setting.bit {
             drill = drill.with_bit(bit, slider)?;
         }
         drill.place([R::from_f64(rest), R::ZERO, R::ZERO]);

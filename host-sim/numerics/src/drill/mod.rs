@@ -27,7 +27,7 @@ pub use blow::{Feed, GroundBlow};
 pub use contacts::SAME_BLOW_S;
 pub use march::Drill;
 pub use run::{DrillPlan, DrillRow, DrillRun, DrillSetting, grid, run};
-pub use search::{Among, Corner, DrillAnswer, GroundUncertainty, advise, refined};
+pub use search::{Among, Corner, DrillAnswer, DrillRuns, GroundUncertainty};
 
 #[cfg(test)]
 mod tests;

@@ -7,12 +7,12 @@
 //! A bit between hammer and ground has a depth and a rate more. On the section it must have come to rest on the ground: what
 //! is left of its motion has then died before the next blow, so its two multipliers are 0 and are left out.
 
-use shared::model::bit::Bit;
 use shared::model::params::RigParams;
-use shared::model::slider::{Slider, Touch};
+use shared::model::slider::Touch;
 
 use super::blow::Feed;
 use super::march::Drill;
+use super::run::DrillSetting;
 use crate::dual::Dual;
 use crate::orbit::{Monodromy, Multipliers, Section};
 
@@ -75,30 +75,30 @@ impl DrillOrbit {
 /// is still compressed at drive phase 0, or a bit does not rest there (the section would have a coordinate more).
 pub fn shoot(
     params: &RigParams,
-    ground: &Slider<f64>,
-    bit: Option<&Bit<f64>>,
+    setting: &DrillSetting,
     frequency_hz: f64,
     guess: Section,
 ) -> Option<DrillOrbit> {
     if params.cart.recoils() {
-        along::<4>(params, (ground, bit), frequency_hz, guess)
+        along::<4>(params, setting, frequency_hz, guess)
     } else {
-        along::<2>(params, (ground, bit), frequency_hz, guess)
+        along::<2>(params, setting, frequency_hz, guess)
     }
 }
 
 /// [`shoot`] with derivatives along the first `N` directions of the section.
 fn along<const N: usize>(
     params: &RigParams,
-    (ground, bit): (&Slider<f64>, Option<&Bit<f64>>),
+    setting: &DrillSetting,
     frequency_hz: f64,
     guess: Section,
 ) -> Option<DrillOrbit> {
+    let feed = Feed::Cart;
+    let setting = DrillSetting { feed, ..*setting };
     let mut x = guess;
     let mut bit_at = None;
     for _ in 0..ITERATIONS {
-        let mut drill =
-            Drill::<Dual<N>>::through(params, ground, bit, Feed::Cart, frequency_hz).ok()?;
+        let mut drill = Drill::<Dual<N>>::through(params, &setting, frequency_hz).ok()?;
         let units = drill.all_units();
         let start = [0, 1, 2, 3].map(|i| {
             let mut at = Dual::<N>::constant(x[i]);
@@ -116,11 +116,13 @@ fn along<const N: usize>(
         let [q, v, _] = drill.section();
         let [off, off_rate] = drill.cart();
         let end = [q, v, off, off_rate];
-        if !(q.re.is_finite() && rests(&drill, ground, bit)) {
+        if !(q.re.is_finite() && rests(&drill, &setting)) {
             return None;
         }
         // Where it is now is where it begins on the orbit.
-        bit_at = bit.map(|_| drill.bit().map(|x| Dual::constant(x.re)));
+        bit_at = setting
+            .bit
+            .map(|_| drill.bit().map(|x| Dual::constant(x.re)));
         let miss = [0, 1, 2, 3].map(|i| (end[i].re - x[i]) / units[i]);
         let mut derivative = [[0.0; 4]; 4];
         let mut progress_slope_m = [0.0; 4];
@@ -157,11 +159,8 @@ fn along<const N: usize>(
 }
 
 /// Whether the ground is relaxed and untouched, or the bit stands still on it and nothing strikes it.
-fn rests<const N: usize>(
-    drill: &Drill<Dual<N>>,
-    ground: &Slider<f64>,
-    bit: Option<&Bit<f64>>,
-) -> bool {
+fn rests<const N: usize>(drill: &Drill<Dual<N>>, setting: &DrillSetting) -> bool {
+    let DrillSetting { ground, bit, .. } = setting;
     let [_, _, e] = drill.section();
     let Some(bit) = bit else {
         let relaxed = e.re.abs() < RELAXED * ground.threshold / ground.stiffness;

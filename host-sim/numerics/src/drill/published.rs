@@ -13,6 +13,7 @@ use shared::model::slider::Slider;
 
 use super::body::FreeMass;
 use super::march::Drill;
+use super::run::DrillPlan;
 use crate::error::{Error, MotionError};
 use crate::parallel;
 use crate::progress::{Progress, step};
@@ -38,15 +39,6 @@ pub const PERIOD_TWO: Drifting = Drifting {
     xi: 0.01,
     omega: 0.1,
 };
-
-/// Periods left out before a diagram's points, and points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriftingPlan {
-    /// Drive periods left out.
-    pub settle: u32,
-    /// Drive periods recorded, each with one point of the section.
-    pub recorded: u32,
-}
 
 /// What it does at one set of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -100,7 +92,7 @@ impl Drifting {
     ///
     /// # Errors
     /// If a parameter is out of range, or the motion cannot be followed.
-    pub fn run(&self, plan: DriftingPlan) -> Result<DriftingRow, Error> {
+    pub fn run(&self, plan: DrillPlan) -> Result<DriftingRow, Error> {
         let mut drill = self.start()?;
         let mut blows = Vec::new();
         for _ in 0..plan.settle {
@@ -146,7 +138,7 @@ impl Drifting {
 /// If a parameter is out of range, a motion cannot be followed, or the work is interrupted.
 pub fn diagram(
     motions: &[Drifting],
-    plan: DriftingPlan,
+    plan: DrillPlan,
     progress: &dyn Progress,
 ) -> Result<Vec<DriftingRow>, Error> {
     parallel::try_map(motions, |motion| {

@@ -33,6 +33,13 @@ pub struct DrillSetting {
     pub feed: Feed,
 }
 
+impl DrillSetting {
+    /// On `ground`, through a bit if there is one.
+    pub fn new(ground: Slider<f64>, bit: Option<Bit<f64>>, feed: Feed) -> Self {
+        Self { ground, bit, feed }
+    }
+}
+
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillPlan {
@@ -99,8 +106,7 @@ pub fn run(
     plan: DrillPlan,
 ) -> Result<DrillRun, Error> {
     check_frequency(frequency_hz, params)?;
-    let (ground, bit) = (&setting.ground, setting.bit.as_ref());
-    let mut drill = Drill::<f64>::through(params, ground, bit, setting.feed, frequency_hz)?;
+    let mut drill = Drill::<f64>::through(params, setting, frequency_hz)?;
     settle(&mut drill, plan.settle);
     observe(&mut drill, frequency_hz, plan.recorded)
 }

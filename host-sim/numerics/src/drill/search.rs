@@ -92,97 +92,173 @@ pub struct DrillAnswer {
     pub without_bit_frequency_hz: Option<f64>,
 }
 
-/// The answer at the gap of `rig`. `rows` are its runs over frequency, rising: the best is searched around the best of
-/// them. A step of the progress is a corner.
-///
-/// # Errors
-/// If a parameter is out of range, a motion cannot be followed, or the work is interrupted. [`Error::NoProgress`] if no row
-/// makes progress.
-pub fn advise(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    rows: &[DrillRow],
-    uncertainty: Option<GroundUncertainty>,
-    plan: DrillPlan,
-    progress: &dyn Progress,
-) -> Result<DrillAnswer, Error> {
-    let among = match Among::OneOne.best(rows) {
-        Some(_) => Among::OneOne,
-        None => Among::All,
-    };
-    let best = refined(rig, setting, rows, among, plan)?;
-    check(progress)?;
-    let natural_hz = rig.params.natural_frequency_hz();
-    let multiplier = multiplier(rig, setting, &best, plan);
-    let rigid = pick(rig, None, PickLimits::default(), &WithinStep(progress)).ok();
-    let rigid_hz = rigid.as_ref().map(|p| p.answer.operating_frequency_hz);
-    let rigid_row = rigid_hz.map(|hz| at(rig, setting, hz, plan)).transpose()?;
-    let near = spread(
-        (1.0 - NEAR) * best.frequency_hz,
-        (1.0 + NEAR) * best.frequency_hz,
-        NEAR_POINTS,
-    );
-    let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
-    let corners = parallel::try_map(&corners, |ground| {
-        let there = DrillSetting {
-            ground: *ground,
-            ..*setting
-        };
-        let corner = corner(rig, &there, best.frequency_hz, (&near, among), plan)?;
-        crate::progress::step(progress, 1)?;
-        Ok(corner)
-    })?;
-    let cart = CartModel::of(&rig.params);
-    let numbers = |row: &DrillRow| (row.rate_of_penetration_um_per_s, row.frequency_hz);
-    let other = match rig.with_the_other_cart() {
-        Some(other) => best_near(&other, setting, (&near, among), plan)?,
-        None => None,
-    };
-    let [recoil, prescribed] = cart.sorted(Some(numbers(&best)), other.as_ref().map(numbers));
-    let bare = DrillSetting {
-        bit: None,
-        ..*setting
-    };
-    let without_bit = match setting.bit {
-        None => None,
-        Some(_) => best_near(rig, &bare, (&near, among), plan)?,
-    };
-    let reached = |r: &&DrillRow| r.ground_force_n >= (1.0 - 1e-9) * r.threshold_n;
-    let first = rows.iter().find(reached);
-    let last = rows.iter().rev().find(reached);
-    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
-    let rigid_rate = rigid_row.as_ref().map(rate);
-    Ok(DrillAnswer {
-        gap_mm: best.gap_mm,
-        multiplier,
-        rigid_frequency_hz: rigid_hz,
-        rigid_frequency_ratio: rigid_hz.map(|hz| hz / natural_hz),
-        rigid_force_n: rigid.as_ref().map(|p| p.answer.force_n),
-        rigid_rate_um_per_s: rigid_rate,
-        rigid_share: rigid_rate.map(|own| own / rate(&best)),
-        threshold_reached_ratios: first
-            .zip(last)
-            .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
-        corners,
-        cart,
-        recoil_rate_um_per_s: recoil.map(|r| r.0),
-        recoil_frequency_hz: recoil.map(|r| r.1),
-        prescribed_rate_um_per_s: prescribed.map(|r| r.0),
-        prescribed_frequency_hz: prescribed.map(|r| r.1),
-        without_bit_rate_um_per_s: without_bit.as_ref().map(rate),
-        without_bit_frequency_hz: without_bit.as_ref().map(|b| b.frequency_hz),
-        best,
-    })
+/// Runs of a rig on the ground, for a search among them.
+#[derive(Clone, Copy, Debug)]
+pub struct DrillRuns<'a> {
+    /// The hammer, its cart and its gap.
+    pub rig: &'a NamedRig,
+    /// Ground, bit and feed.
+    pub setting: DrillSetting,
+    /// How long the runs are.
+    pub plan: DrillPlan,
 }
 
-fn at(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    frequency_hz: f64,
-    plan: DrillPlan,
-) -> Result<DrillRow, Error> {
-    let seen = run(&rig.params, setting, frequency_hz, plan)?;
-    Ok(DrillRow::new(rig, setting, frequency_hz, &seen))
+impl DrillRuns<'_> {
+    /// The answer at the gap of the rig. `rows` are its runs over frequency, rising: the best is searched around the best of
+    /// them. A step of the progress is a corner.
+    ///
+    /// # Errors
+    /// If a parameter is out of range, a motion cannot be followed, or the work is interrupted. [`Error::NoProgress`] if no row
+    /// makes progress.
+    pub fn advise(
+        &self,
+        rows: &[DrillRow],
+        uncertainty: Option<GroundUncertainty>,
+        progress: &dyn Progress,
+    ) -> Result<DrillAnswer, Error> {
+        let (rig, setting) = (self.rig, self.setting);
+        let with = |setting: DrillSetting| DrillRuns { setting, ..*self };
+        let among = match Among::OneOne.best(rows) {
+            Some(_) => Among::OneOne,
+            None => Among::All,
+        };
+        let best = self.refined(rows, among)?;
+        check(progress)?;
+        let natural_hz = rig.params.natural_frequency_hz();
+        let multiplier = self.multiplier(&best);
+        let rigid = pick(rig, None, PickLimits::default(), &WithinStep(progress)).ok();
+        let rigid_hz = rigid.as_ref().map(|p| p.answer.operating_frequency_hz);
+        let rigid_row = rigid_hz.map(|hz| self.at(hz)).transpose()?;
+        let near = spread(
+            (1.0 - NEAR) * best.frequency_hz,
+            (1.0 + NEAR) * best.frequency_hz,
+            NEAR_POINTS,
+        );
+        let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
+        let corners = parallel::try_map(&corners, |ground| {
+            let ground = *ground;
+            let there = with(DrillSetting { ground, ..setting });
+            let corner = there.corner(best.frequency_hz, (&near, among))?;
+            crate::progress::step(progress, 1)?;
+            Ok(corner)
+        })?;
+        let cart = CartModel::of(&rig.params);
+        let numbers = |row: &DrillRow| (row.rate_of_penetration_um_per_s, row.frequency_hz);
+        let other = match &rig.with_the_other_cart() {
+            Some(rig) => DrillRuns { rig, ..*self }.best_near((&near, among))?,
+            None => None,
+        };
+        let [recoil, prescribed] = cart.sorted(Some(numbers(&best)), other.as_ref().map(numbers));
+        let bare = with(DrillSetting {
+            bit: None,
+            ..setting
+        });
+        let without_bit = match setting.bit {
+            None => None,
+            Some(_) => bare.best_near((&near, among))?,
+        };
+        let reached = |r: &&DrillRow| r.ground_force_n >= (1.0 - 1e-9) * r.threshold_n;
+        let first = rows.iter().find(reached);
+        let last = rows.iter().rev().find(reached);
+        let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+        let rigid_rate = rigid_row.as_ref().map(rate);
+        Ok(DrillAnswer {
+            gap_mm: best.gap_mm,
+            multiplier,
+            rigid_frequency_hz: rigid_hz,
+            rigid_frequency_ratio: rigid_hz.map(|hz| hz / natural_hz),
+            rigid_force_n: rigid.as_ref().map(|p| p.answer.force_n),
+            rigid_rate_um_per_s: rigid_rate,
+            rigid_share: rigid_rate.map(|own| own / rate(&best)),
+            threshold_reached_ratios: first
+                .zip(last)
+                .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
+            corners,
+            cart,
+            recoil_rate_um_per_s: recoil.map(|r| r.0),
+            recoil_frequency_hz: recoil.map(|r| r.1),
+            prescribed_rate_um_per_s: prescribed.map(|r| r.0),
+            prescribed_frequency_hz: prescribed.map(|r| r.1),
+            without_bit_rate_um_per_s: without_bit.as_ref().map(rate),
+            without_bit_frequency_hz: without_bit.as_ref().map(|b| b.frequency_hz),
+            best,
+        })
+    }
+
+    fn at(&self, frequency_hz: f64) -> Result<DrillRow, Error> {
+        let (rig, setting) = (self.rig, &self.setting);
+        let seen = run(&rig.params, setting, frequency_hz, self.plan)?;
+        Ok(DrillRow::new(rig, setting, frequency_hz, &seen))
+    }
+
+    /// The best of `rows` (runs over frequency, rising) among those that count, refined between its neighbours.
+    ///
+    /// # Errors
+    /// [`Error::NoProgress`] if no such row makes progress; else as [`run`].
+    pub fn refined(&self, rows: &[DrillRow], among: Among) -> Result<DrillRow, Error> {
+        let Some(index) = among.best(rows) else {
+            return Err(Error::NoProgress {
+                threshold_n: self.setting.ground.threshold,
+            });
+        };
+        let low = rows[index.saturating_sub(1)].frequency_hz;
+        let high = rows[(index + 1).min(rows.len() - 1)].frequency_hz;
+        let here = &rows[index];
+        let tolerance = RESOLUTION * self.rig.params.natural_frequency_hz();
+        if high - low <= tolerance {
+            return Ok(here.clone());
+        }
+        let found = |hz: f64| self.at(hz).map_or(f64::NEG_INFINITY, |r| among.rate(&r));
+        let hz = maximum(found, (low, high), tolerance, here.frequency_hz);
+        let top = self.at(tidy(hz))?;
+        // Where it is not smooth, the search between the neighbours may end lower than it began.
+        Ok(if among.rate(&top) > among.rate(here) {
+            top
+        } else {
+            here.clone()
+        })
+    }
+
+    /// Largest modulus of a multiplier of the 1/1 that the run at `best` settled on.
+    fn multiplier(&self, best: &DrillRow) -> Option<f64> {
+        // Where the gap sets itself, the section has a coordinate more.
+        if !best.regime.is(1, 1) || matches!(self.setting.feed, Feed::Speed(_)) {
+            return None;
+        }
+        let seen = run(
+            &self.rig.params,
+            &self.setting,
+            best.frequency_hz,
+            self.plan,
+        )
+        .ok()?;
+        let (params, setting) = (&self.rig.params, &self.setting);
+        let orbit = orbit::shoot(params, setting, best.frequency_hz, seen.guess())?;
+        Some(orbit.multipliers().modulus())
+    }
+
+    /// The best near `near_hz`. None where nothing gives way.
+    fn best_near(&self, (near_hz, among): (&[f64], Among)) -> Result<Option<DrillRow>, Error> {
+        let rows = parallel::try_map(near_hz, |hz| self.at(*hz))?;
+        Ok(self.refined(&rows, among).ok())
+    }
+
+    fn corner(&self, nominal_hz: f64, near: (&[f64], Among)) -> Result<Corner, Error> {
+        let here = self.at(nominal_hz)?;
+        let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+        let better = self
+            .best_near(near)?
+            .filter(|best| rate(best) > rate(&here));
+        let best = better.as_ref().unwrap_or(&here);
+        Ok(Corner {
+            threshold_n: self.setting.ground.threshold,
+            ground_stiffness_n_per_m: self.setting.ground.stiffness,
+            rate_at_nominal_um_per_s: here.rate_of_penetration_um_per_s,
+            regime_at_nominal: here.regime,
+            best_frequency_ratio: best.frequency_ratio,
+            best_rate_um_per_s: best.rate_of_penetration_um_per_s,
+        })
+    }
 }
 
 /// Which motions count in the search for the best rate of penetration.
@@ -212,58 +288,6 @@ impl Among {
     }
 }
 
-/// The best of `rows` (runs over frequency, rising) among those that count, refined between its neighbours.
-///
-/// # Errors
-/// [`Error::NoProgress`] if no such row makes progress; else as [`run`].
-pub fn refined(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    rows: &[DrillRow],
-    among: Among,
-    plan: DrillPlan,
-) -> Result<DrillRow, Error> {
-    let Some(index) = among.best(rows) else {
-        return Err(Error::NoProgress {
-            threshold_n: setting.ground.threshold,
-        });
-    };
-    let low = rows[index.saturating_sub(1)].frequency_hz;
-    let high = rows[(index + 1).min(rows.len() - 1)].frequency_hz;
-    let here = &rows[index];
-    let tolerance = RESOLUTION * rig.params.natural_frequency_hz();
-    if high - low <= tolerance {
-        return Ok(here.clone());
-    }
-    let found = |hz: f64| at(rig, setting, hz, plan).map_or(f64::NEG_INFINITY, |r| among.rate(&r));
-    let hz = maximum(found, (low, high), tolerance, here.frequency_hz);
-    let top = at(rig, setting, tidy(hz), plan)?;
-    // Where it is not smooth, the search between the neighbours may end lower than it began.
-    Ok(if among.rate(&top) > among.rate(here) {
-        top
-    } else {
-        here.clone()
-    })
-}
-
-/// Largest modulus of a multiplier of the 1/1 that the run at `best` settled on.
-fn multiplier(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    best: &DrillRow,
-    plan: DrillPlan,
-) -> Option<f64> {
-    // Where the gap sets itself, the section has a coordinate more.
-    if !best.regime.is(1, 1) || matches!(setting.feed, Feed::Speed(_)) {
-        return None;
-    }
-    let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
-    let guess = seen.guess();
-    let (ground, bit) = (&setting.ground, setting.bit.as_ref());
-    let orbit = orbit::shoot(&rig.params, ground, bit, best.frequency_hz, guess)?;
-    Some(orbit.multipliers().modulus())
-}
-
 /// The corners of Pf and k. The dashpot goes with the spring: its time constant c/k stays.
 fn grounds(nominal: &Slider<f64>, u: GroundUncertainty) -> Vec<Slider<f64>> {
     let both = |percent: f64| {
@@ -285,36 +309,4 @@ fn grounds(nominal: &Slider<f64>, u: GroundUncertainty) -> Vec<Slider<f64>> {
         }
     }
     found
-}
-
-/// The best near `near_hz`. None where nothing gives way.
-fn best_near(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    (near_hz, among): (&[f64], Among),
-    plan: DrillPlan,
-) -> Result<Option<DrillRow>, Error> {
-    let rows = parallel::try_map(near_hz, |hz| at(rig, setting, *hz, plan))?;
-    Ok(refined(rig, setting, &rows, among, plan).ok())
-}
-
-fn corner(
-    rig: &NamedRig,
-    setting: &DrillSetting,
-    nominal_hz: f64,
-    near: (&[f64], Among),
-    plan: DrillPlan,
-) -> Result<Corner, Error> {
-    let here = at(rig, setting, nominal_hz, plan)?;
-    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
-    let better = best_near(rig, setting, near, plan)?.filter(|best| rate(best) > rate(&here));
-    let best = better.as_ref().unwrap_or(&here);
-    Ok(Corner {
-        threshold_n: setting.ground.threshold,
-        ground_stiffness_n_per_m: setting.ground.stiffness,
-        rate_at_nominal_um_per_s: here.rate_of_penetration_um_per_s,
-        regime_at_nominal: here.regime,
-        best_frequency_ratio: best.frequency_ratio,
-        best_rate_um_per_s: best.rate_of_penetration_um_per_s,
-    })
 }

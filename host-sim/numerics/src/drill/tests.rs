@@ -109,7 +109,13 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         });
         let rigid = rigid.unwrap();
         let ground = rock(1e6);
-        let here = orbit::shoot(&params, &ground, None, hz, rigid.at()).unwrap();
+        let here = orbit::shoot(
+            &params,
+            &DrillSetting::new(ground, None, Feed::Cart),
+            hz,
+            rigid.at(),
+        )
+        .unwrap();
         let scale = params.amplitude_m;
         for i in 0..2 {
             let apart = (here.section[i] - rigid.section[i]).abs();
@@ -117,7 +123,9 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         }
         let (a, b) = (here.multipliers().modulus(), rigid.multipliers().modulus());
         assert!((a - b).abs() < 1e-6, "{a} {b}");
-        let mut drill = Drill::<f64>::through(&params, &ground, None, Feed::Cart, hz).unwrap();
+        let mut drill =
+            Drill::<f64>::through(&params, &DrillSetting::new(ground, None, Feed::Cart), hz)
+                .unwrap();
         drill.place([here.section[0], here.section[1], 0.0]);
         let (period, _) = drill.run_period(&mut Vec::new());
         let apart = (period.peak_force / rigid.force_n - 1.0).abs();
@@ -138,7 +146,9 @@ fn energy_is_accounted_for() {
                 *torque = shared::model::params::Torque::Cosine;
             }
             let hz = ratio * params.natural_frequency_hz();
-            let mut drill = Drill::<f64>::through(&params, &rock(25.0), None, feed, hz).unwrap();
+            let mut drill =
+                Drill::<f64>::through(&params, &DrillSetting::new(rock(25.0), None, feed), hz)
+                    .unwrap();
             let mut blows = Vec::new();
             for _ in 0..40 {
                 drill.run_period(&mut blows);
@@ -195,7 +205,12 @@ fn one_blow_on_an_ideal_slider_spends_its_energy_on_progress() {
 #[test]
 fn the_answer_does_not_depend_on_the_tolerance() {
     let rate = |tolerance: f64| {
-        let drill = Drill::<f64>::through(&WIRES, &rock(50.0), None, Feed::Cart, 3.7).unwrap();
+        let drill = Drill::<f64>::through(
+            &WIRES,
+            &DrillSetting::new(rock(50.0), None, Feed::Cart),
+            3.7,
+        )
+        .unwrap();
         let mut drill = drill.with_tolerance(tolerance);
         let mut blows = Vec::new();
         for _ in 0..60 {
@@ -215,10 +230,17 @@ fn the_answer_does_not_depend_on_the_tolerance() {
 fn the_derivative_of_the_return_map_is_that_of_differences() {
     let hz = 2.04 * 1.82;
     let seen = at(&WIRES, 25.0, Feed::Cart, 2.04);
-    let found = orbit::shoot(&WIRES, &rock(25.0), None, hz, seen.guess()).unwrap();
+    let found = orbit::shoot(
+        &WIRES,
+        &DrillSetting::new(rock(25.0), None, Feed::Cart),
+        hz,
+        seen.guess(),
+    )
+    .unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
-    let drill = Drill::<f64>::through(&WIRES, &rock(25.0), None, Feed::Cart, hz).unwrap();
+    let drill = Drill::<f64>::through(&WIRES, &DrillSetting::new(rock(25.0), None, Feed::Cart), hz)
+        .unwrap();
     let units = [drill.units().0, drill.units().1];
     let image = |i: usize, by: f64| {
         let mut x = [found.section[0], found.section[1], 0.0];
@@ -270,7 +292,7 @@ fn a_steady_feed_sets_the_gap() {
 /// Pavlovskaia and Wiercigroch show a period-two motion at these parameters (Chaos, Solitons and Fractals 19, figure 3).
 #[test]
 fn the_published_period_two_motion_is_found() {
-    let plan = published::DriftingPlan {
+    let plan = DrillPlan {
         settle: 400,
         recorded: 64,
     };
@@ -283,7 +305,7 @@ fn the_published_period_two_motion_is_found() {
 /// regime" (Modelling of ground moling dynamics by an impact oscillator with a frictional slider, Meccanica 38, 2003).
 #[test]
 fn the_largest_progression_is_at_the_end_of_the_periodic_regime_as_published() {
-    let plan = published::DriftingPlan {
+    let plan = DrillPlan {
         settle: 300,
         recorded: 64,
     };

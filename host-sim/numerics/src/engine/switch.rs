@@ -84,14 +84,15 @@ fn machine_in<R: Real + 'static>(
     frequency_hz: f64,
     section: [f64; 2],
 ) -> Result<Box<dyn Machine>, Error> {
-    match setting.method {
-        Method::Corrected => boxed::<R, _>(Corrected, setting, params, frequency_hz, section),
+    let at = (params, frequency_hz, setting.tick_s, section);
+    Ok(match setting.method {
+        Method::Corrected => Box::new(Switch::<R, _>::new(Corrected, at)?),
         Method::Banded {
             eta_alpha_m,
             eta_beta_n,
         } => {
             let band = Band::new(eta_alpha_m, eta_beta_n);
-            boxed::<R, _>(Banded { band }, setting, params, frequency_hz, section)
+            Box::new(Switch::<R, _>::new(Banded { band }, at)?)
         }
         Method::Smoothed {
             epsilon_alpha_m,
@@ -101,20 +102,9 @@ fn machine_in<R: Real + 'static>(
                 epsilon_alpha: R::from_f64(epsilon_alpha_m),
                 epsilon_beta: R::from_f64(epsilon_beta_n),
             };
-            boxed::<R, _>(stepper, setting, params, frequency_hz, section)
+            Box::new(Switch::<R, _>::new(stepper, at)?)
         }
-    }
-}
-
-fn boxed<R: Real + 'static, S: Stepper<R> + 'static>(
-    stepper: S,
-    setting: Setting,
-    params: &RigParams,
-    frequency_hz: f64,
-    section: [f64; 2],
-) -> Result<Box<dyn Machine>, Error> {
-    let switch = Switch::<R, S>::new(stepper, params, frequency_hz, setting.tick_s, section)?;
-    Ok(Box::new(switch))
+    })
 }
 
 /// The switch model with a stepper, run a drive period at a time.
@@ -127,16 +117,14 @@ pub struct Switch<R, S> {
 }
 
 impl<R: Real, S: Stepper<R>> Switch<R, S> {
-    /// A hammer of `params` driven at `frequency_hz` from `section` (coordinate and rate at phase 0).
+    /// A hammer of these parameters driven at this frequency (Hz), with this tick (s), from a section (coordinate and rate at
+    /// phase 0).
     ///
     /// # Errors
     /// If a parameter, the frequency or the tick is out of range.
     pub fn new(
         stepper: S,
-        params: &RigParams,
-        frequency_hz: f64,
-        tick_s: f64,
-        section: [f64; 2],
+        (params, frequency_hz, tick_s, section): (&RigParams, f64, f64, [f64; 2]),
     ) -> Result<Self, Error> {
         let rig = Rig::<R>::new(params)?;
         let state = HammerState::new(&rig, R::from_f64(section[0]), R::from_f64(section[1]));

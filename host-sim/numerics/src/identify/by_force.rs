@@ -2,12 +2,12 @@
 
 use super::contacts::{Impact, MeasuredImpacts};
 use super::least_squares::Solved;
-use super::profile;
+use super::profile::{self, Profile};
 use super::shape::{self, ForceShape};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
 use super::{IdentifiedFit, ImpactRow, Misfit, SensorFound};
-use shared::model::contact::LawKind;
+use shared::model::contact::{Law, LawKind};
 
 /// A law that misses the whole force by more than this share of it, noise apart, is refused.
 pub const REFUSED_SHARE: f64 = 0.02;
@@ -42,6 +42,19 @@ pub fn fit(
     };
     let (profiles, sought) = profile::all(&least, unknowns, &mut best, per_cost);
     let (found, _) = unknowns.read(&best.x[..unknowns.list().len()])?;
+    fitted(measured, whole, &best.x, found, (profiles, sought))
+}
+
+/// The fit with the `profiles` and the law `found`, the sensor as the whole force's search has it at `x`, and what that
+/// search says of the record. `sought` simulations made the profiles.
+pub fn fitted(
+    measured: &MeasuredImpacts,
+    whole: &Whole,
+    x: &[f64],
+    found: Law<f64>,
+    (profiles, sought): (Vec<Profile>, u64),
+) -> Option<IdentifiedFit> {
+    let shape = &whole.shape;
     Some(IdentifiedFit {
         law: LawKind::SpringDashpot,
         misfit: Misfit::Force,
@@ -52,51 +65,45 @@ pub fn fit(
         rms_n: whole.rms_n,
         noise_n: shape::unit_n(measured),
         parameters: profiles.iter().map(|p| p.estimate.clone()).collect(),
-        degrees_of_freedom: shape.data().saturating_sub(best.x.len()),
+        degrees_of_freedom: shape.data().saturating_sub(x.len()),
         widened: whole.widened,
         starts: whole.starts,
         starts_agreeing: whole.agreeing,
         simulations: whole.evaluations + sought,
-        sensor: SensorFound::new(&shape.sensor(&best.x), measured),
-        impacts: impact_rows(measured, shape, &best.x, None)?,
+        sensor: SensorFound::new(&shape.sensor(x), measured),
+        impacts: impact_rows(measured, shape, x)?,
         warnings: Vec::new(),
         ring: whole.ring,
         found,
-        release_m: shape.release_m(&best.x)?,
-        shown: shape.shown(&best.x, &shape.contacts(&best.x)?),
+        release_m: shape.release_m(x)?,
+        shown: shape.shown(x, &shape.contacts(x)?),
         profiles,
     })
 }
 
-/// The impacts at a point of the whole force's search, with their `peaks` if these were fitted.
-pub fn impact_rows(
+/// The impacts at a point of the whole force's search.
+fn impact_rows(
     measured: &MeasuredImpacts,
     shape: &ForceShape,
     x: &[f64],
-    peaks: Option<&[f64]>,
 ) -> Option<Vec<ImpactRow>> {
     let contacts = shape.contacts(x)?;
     let shown = shape.shown(x, &contacts);
     let row = |(i, impact): (usize, &Impact)| {
-        let contact = ForceShape::contact(&contacts, i);
-        let window = &shape.windows()[i];
-        let forces = &measured.force_n[window.clone()];
+        let contact = contacts.contact(i);
+        let forces = &measured.force_n[shape.windows[i].clone()];
         let pairs = forces.iter().zip(&shown[i]);
         let squares: f64 = pairs.map(|(f, s)| (f - s).powi(2)).sum();
-        let largest = shown[i].iter().fold(0.0_f64, |m, f| m.max(*f));
         ImpactRow {
             impact: i + 1,
             measured_at_s: impact.at_s,
             model_at_s: contact.map_or(f64::NAN, |c| c.onset_s),
             measured_peak_n: impact.peak_n,
-            model_peak_n: peaks.map_or(largest, |p| p[i]),
+            model_peak_n: shown[i].iter().fold(0.0_f64, |m, f| m.max(*f)),
             model_contact_time_ms: contact.map_or(0.0, |c| c.duration_s * 1e3),
             measured_impulse_n_s: impact.impulse_n_s,
             model_impulse_n_s: contact.map_or(0.0, |c| c.impulse_n_s),
-            residual_n: match peaks {
-                Some(_) => f64::NAN,
-                None => (squares / forces.len() as f64).sqrt(),
-            },
+            residual_n: (squares / forces.len() as f64).sqrt(),
         }
     };
     Some(measured.impacts.iter().enumerate().map(row).collect())

@@ -1,22 +1,21 @@
 //! A fit by the peaks, with the sensor as the whole force shows it.
 
-use shared::model::contact::LawKind;
 use shared::model::params::RigParams;
 
 use nalgebra::DVector;
 
-use super::by_force::{PROFILE_ROUNDS, REFUSED_SHARE, impact_rows};
+use super::by_force::{PROFILE_ROUNDS, fitted};
 use super::contacts::MeasuredImpacts;
 use super::least_squares::{self, Problem, Solved};
 use super::peaks::Peaks;
 use super::profile;
 use super::unknowns::Unknowns;
 use super::whole::{ROUNDS, Whole};
-use super::{IdentifiedFit, Misfit, SensorFound};
+use super::{IdentifiedFit, ImpactRow, Misfit};
 
 /// The peaks as residuals.
 struct ByPeaks<'a> {
-    peaks: &'a Peaks<'a>,
+    peaks: Peaks<'a>,
     unknowns: &'a Unknowns,
 }
 
@@ -29,7 +28,7 @@ impl Problem for ByPeaks<'_> {
     }
 
     fn column(&self, x: &[f64], at: &(DVector<f64>, ()), k: usize) -> Option<DVector<f64>> {
-        let size = 1e-4 * self.unknowns.steps()[k];
+        let size = 1e-4 * self.unknowns.list()[k].step;
         let (_, high) = self.range(x, k);
         let by = if x[k] + size > high { -size } else { size };
         let mut moved = x.to_vec();
@@ -51,11 +50,12 @@ pub fn fit(
 ) -> Option<IdentifiedFit> {
     let laws = unknowns.list().len();
     let about = whole.best.x[..laws].to_vec();
-    let peaks = Peaks::new(measured, params, whole, unknowns.read(&about)?)?;
-    let first = ByPeaks {
-        peaks: &peaks,
-        unknowns,
+    // The covariance of the peaks is about a point.
+    let about_point = |x: &[f64]| {
+        let peaks = Peaks::new(measured, params, whole, unknowns.read(x)?)?;
+        Some(ByPeaks { peaks, unknowns })
     };
+    let first = about_point(&about)?;
     let mut starts = unknowns.starts();
     starts.push(about);
     let searched = least_squares::from_all(
@@ -64,11 +64,8 @@ pub fn fit(
         |x| least_squares::solve(&first, x, &[], ROUNDS.1),
     )?;
     // The covariance anew, about what the peaks say.
-    let peaks = Peaks::new(measured, params, whole, unknowns.read(&searched.best.x)?)?;
-    let problem = ByPeaks {
-        peaks: &peaks,
-        unknowns,
-    };
+    let problem = about_point(&searched.best.x)?;
+    let peaks = &problem.peaks;
     let least = |x: &[f64], held: &[usize]| {
         let solved = least_squares::solve(&problem, x, held, PROFILE_ROUNDS);
         solved.unwrap_or_else(|| Solved::nowhere(x))
@@ -89,29 +86,26 @@ pub fn fit(
     let held: Vec<usize> = (0..x.len() - measured.impacts.len()).collect();
     let shape = &whole.shape;
     let x = shape.solve(&x, &held, PROFILE_ROUNDS).map_or(x, |s| s.x);
+    let fit = fitted(measured, whole, &x, found, (profiles, sought))?;
+    let means = peaks.means(found, release_m);
+    let impacts = fit.impacts.into_iter().zip(means);
+    let with_its_peak = |(impact, model_peak_n)| ImpactRow {
+        model_peak_n,
+        residual_n: f64::NAN,
+        ..impact
+    };
     Some(IdentifiedFit {
-        law: LawKind::SpringDashpot,
         misfit: Misfit::Peaks,
-        refused: whole.beyond_noise > REFUSED_SHARE,
-        intervals: whole.intervals,
-        times_noise: whole.times_noise,
-        misses_share: whole.beyond_noise,
         rms_n: peaks.rms_n(found, release_m),
         noise_n: peaks.deviation_n(),
-        parameters: profiles.iter().map(|p| p.estimate.clone()).collect(),
         degrees_of_freedom: degrees,
         widened,
         starts: starts.len(),
         starts_agreeing: searched.agreeing(),
-        simulations: searched.evaluations + whole.evaluations + sought,
-        sensor: SensorFound::new(&shape.sensor(&x), measured),
-        impacts: impact_rows(measured, shape, &x, Some(&peaks.means(found, release_m)))?,
-        warnings: Vec::new(),
-        ring: whole.ring,
-        found,
+        simulations: searched.evaluations + fit.simulations,
         release_m,
-        shown: shape.shown(&x, &shape.contacts(&x)?),
-        profiles,
+        impacts: impacts.map(with_its_peak).collect(),
+        ..fit
     })
 }
 

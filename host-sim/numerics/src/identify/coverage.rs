@@ -6,6 +6,7 @@ use shared::model::contact::{LAWS, Law, LawKind};
 use shared::model::number::Number;
 use shared::model::params::{RigParams, WIRES};
 
+use super::quiet::median;
 use super::{IdentifiedFit, Misfit, SearchSettings, fit, measure};
 use crate::drop_test::{Converter, DropTest, record};
 use crate::error::Error;
@@ -275,9 +276,9 @@ fn summary(case: &CoverageCase, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Cov
                 .filter(|s| s.low.is_none() || s.high.is_none())
                 .count(),
             failed: outcomes.iter().filter(|o| o.is_err()).count(),
-            median_error_percent: median(seen.iter().map(|s| 100.0 * s.error).collect())
+            median_error_percent: median(seen.iter().map(|s| 100.0 * s.error))
                 .filter(|_| right_law),
-            median_half_width_percent: median(widths.collect()).filter(|_| right_law),
+            median_half_width_percent: median(widths).filter(|_| right_law),
         }
     };
     case.family
@@ -285,9 +286,4 @@ fn summary(case: &CoverageCase, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Cov
         .enumerate()
         .map(row)
         .collect()
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

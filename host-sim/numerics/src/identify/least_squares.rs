@@ -161,6 +161,17 @@ fn step<P: Problem>(
     damping: f64,
 ) -> Vec<f64> {
     let mut moved: Vec<Option<f64>> = vec![None; free.len()];
+    // None of it outside its range by rounding.
+    let arrived = |moved: &[Option<f64>]| {
+        let mut there = x.to_vec();
+        for (k, by) in free.iter().zip(moved) {
+            let (low, high) = problem.range(x, *k);
+            if let Some(by) = by {
+                there[*k] = (x[*k] + by).clamp(low, high);
+            }
+        }
+        there
+    };
     for _ in 0..4 {
         let open: Vec<usize> = (0..free.len()).filter(|i| moved[*i].is_none()).collect();
         let mut matrix =
@@ -189,33 +200,13 @@ fn step<P: Problem>(
             }
         }
         if !clipped {
-            return arrived(problem, x, free, &moved, &open, found.as_slice());
+            for (i, d) in open.into_iter().zip(found.iter()) {
+                moved[i] = Some(*d);
+            }
+            break;
         }
     }
-    arrived(problem, x, free, &moved, &[], &[])
-}
-
-/// `x` with what was moved to the ends of ranges and what was `found` for the `open` coordinates; none of it outside its range by
-/// rounding.
-fn arrived<P: Problem>(
-    problem: &P,
-    x: &[f64],
-    free: &[usize],
-    moved: &[Option<f64>],
-    open: &[usize],
-    found: &[f64],
-) -> Vec<f64> {
-    let mut there = x.to_vec();
-    let ends = moved
-        .iter()
-        .enumerate()
-        .filter_map(|(i, d)| Some((i, (*d)?)));
-    for (i, by) in ends.chain(open.iter().copied().zip(found.iter().copied())) {
-        let k = free[i];
-        let (low, high) = problem.range(x, k);
-        there[k] = (x[k] + by).clamp(low, high);
-    }
-    there
+    arrived(&moved)
 }
 
 /// The covariance of the coordinates about a least sum of squares: the inverse of JᵀJ. Coordinates that the residuals do
@@ -223,25 +214,18 @@ fn arrived<P: Problem>(
 pub fn covariance<P: Problem>(problem: &P, x: &[f64]) -> Option<DMatrix<f64>> {
     let here = problem.residuals(x)?;
     let columns: Option<Vec<_>> = (0..x.len()).map(|k| problem.column(x, &here, k)).collect();
-    let mut square = products(&columns?);
+    let products = products(&columns?);
     // Scaled to ones on the diagonal, so that units do not matter.
-    let scale: Vec<f64> = (0..x.len()).map(|k| square[(k, k)].sqrt()).collect();
-    for i in 0..x.len() {
-        for j in 0..x.len() {
-            let by = scale[i] * scale[j];
-            square[(i, j)] = match by > 0.0 {
-                true => square[(i, j)] / by,
-                false => f64::from(u8::from(i == j)),
-            };
-        }
-        square[(i, i)] += 1e-12;
-    }
-    let mut inverse = square.cholesky()?.inverse();
-    for i in 0..x.len() {
-        for j in 0..x.len() {
-            let by = scale[i] * scale[j];
-            inverse[(i, j)] = if by > 0.0 { inverse[(i, j)] / by } else { 0.0 };
-        }
-    }
+    let scale: Vec<f64> = (0..x.len()).map(|k| products[(k, k)].sqrt()).collect();
+    let scaled = |of: &DMatrix<f64>, own: f64| {
+        DMatrix::from_fn(x.len(), x.len(), |i, j| match scale[i] * scale[j] {
+            by if by > 0.0 => of[(i, j)] / by,
+            _ if i == j => own,
+            _ => 0.0,
+        })
+    };
+    let mut square = scaled(&products, 1.0);
+    (0..x.len()).for_each(|i| square[(i, i)] += 1e-12);
+    let inverse = scaled(&square.cholesky()?.inverse(), 0.0);
     Some(inverse)
 }

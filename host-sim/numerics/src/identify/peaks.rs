@@ -10,6 +10,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use super::contacts::MeasuredImpacts;
+use super::least_squares::Problem as _;
 use super::sensor::{FilteredPulse, SensorModel};
 use super::shape::{ForceShape, unit_n};
 use super::whole::Whole;
@@ -77,7 +78,7 @@ impl<'a> Peaks<'a> {
             DVector::from_iterator(shown.len(), shown.iter().map(|s| s.0))
         };
         let here = mean(&self.sensor, release_m);
-        let (gain, release) = shape.stated_deviations();
+        let (gain, release) = (shape.gain_deviation(), shape.release_deviation());
         let higher = SensorModel {
             gain: 1.0 + gain,
             ..self.sensor
@@ -92,7 +93,7 @@ impl<'a> Peaks<'a> {
         for k in 0..unsure.nrows() {
             let deviation = unsure[(k, k)].max(0.0).sqrt();
             let mut x = whole.best.x.clone();
-            let (low, high) = shape.limits(&x, first + k);
+            let (low, high) = shape.range(&x, first + k);
             // Half a deviation to the side on which there is room.
             let mut by = 0.5 * deviation.min(0.3 * (high - low));
             if x[first + k] + by > high {

@@ -223,7 +223,7 @@ impl Search<'_> {
         }
         // With the others held, how far could this one go? ρ² = 1 − (alone/profiled)².
         let rho = (1.0 - (self.alone(own) / own).powi(2)).max(0.0).sqrt();
-        let travel = |i: usize| (b[i] - a[i]) / self.unknowns.steps()[i];
+        let travel = |i: usize| (b[i] - a[i]) / self.unknowns.list()[i].step;
         let others = (0..self.unknowns.list().len()).filter(|i| *i != self.held);
         let partner = others.max_by(|i, j| travel(*i).abs().total_cmp(&travel(*j).abs()))?;
         let sign = (travel(partner) * own).signum();

@@ -57,11 +57,12 @@ impl Quiet {
             .filter(|w| w.deviation <= limit * (1.0 + 1e-9))
             .collect();
         let all: Vec<Window> = calm.clone();
-        let mut line = (median(calm.iter().map(|w| w.mean)), 0.0);
+        let level = median(calm.iter().map(|w| w.mean)).unwrap_or(0.0);
+        let mut line = (level, 0.0);
         // The first rounds are about the median, which outliers do not move.
         for round in 0..6 {
             let off = |w: &Window| w.mean - line.0 - line.1 * (w.time_s - time_s[0]);
-            let spread = 1.4826 * median(calm.iter().map(|w| off(w).abs()));
+            let spread = 1.4826 * median(calm.iter().map(|w| off(w).abs())).unwrap_or(0.0);
             let about = usual / (WINDOW as f64).sqrt();
             let reach = AWAY * spread.max(about) + 0.3 * step_n + 1e-12 * line.0.abs();
             calm.retain(|w| off(w).abs() <= reach);
@@ -69,7 +70,7 @@ impl Quiet {
         }
         let (near, stepped) = near(&all, step_n);
         if stepped {
-            let level = median(near.iter().copied());
+            let level = median(near.iter().copied()).unwrap_or(0.0);
             let pairs = all.into_iter().zip(near);
             let local = |(w, zero): (Window, f64)| Window {
                 local: zero - level,
@@ -78,7 +79,7 @@ impl Quiet {
             line = (level, 0.0);
             calm = pairs.map(local).collect();
             let off = |w: &Window| (w.mean - level - w.local).abs();
-            let reach = AWAY * 1.4826 * median(calm.iter().map(off)) + 0.3 * step_n;
+            let reach = AWAY * 1.4826 * median(calm.iter().map(off)).unwrap_or(0.0) + 0.3 * step_n;
             calm.retain(|w| off(w) <= reach);
         }
         let mut quiet = Self::about(line, &calm, time_s, force_n, step_n);
@@ -131,16 +132,11 @@ impl Quiet {
         } else {
             0.0
         };
-        let mut colour = 1.0;
-        if deviation_n > 0.3 * step_n && deviation_n > 0.0 {
-            for lag in 1..LAGS {
-                let tie = square(lag) / whole;
-                if tie < 3.0 / count.sqrt() {
-                    break;
-                }
-                colour += 2.0 * tie;
-            }
-        }
+        let colour = if deviation_n > 0.3 * step_n && deviation_n > 0.0 {
+            correlated(LAGS, count, whole, square)
+        } else {
+            1.0
+        };
         // A record that rests on one code shows its zero no better than half a step.
         let hidden = if deviation_n < 0.4 * step_n {
             step_n / 12.0_f64.sqrt()
@@ -156,6 +152,14 @@ impl Quiet {
             offset_deviation_n: hidden.max(deviation_n * (colour / count.max(1.0)).sqrt()),
         }
     }
+}
+
+/// How much more sums of `count` numbers vary than those of independent ones would, by the products `square` of numbers so
+/// many samples apart: up to `lags`, while they stand out of chance. `whole` is that of each with itself.
+pub fn correlated(lags: usize, count: f64, whole: f64, square: impl Fn(usize) -> f64) -> f64 {
+    let ties = (1..lags).map(|lag| square(lag) / whole);
+    let real = ties.take_while(|tie| *tie >= 3.0 / count.sqrt());
+    real.fold(1.0, |colour, tie| colour + 2.0 * tie)
 }
 
 #[derive(Clone)]
@@ -192,7 +196,7 @@ fn near(windows: &[Window], step_n: f64) -> (Vec<f64>, bool) {
     let half = NEAR / 2;
     let one = |i: usize| {
         let range = i.saturating_sub(half)..(i + half + 1).min(windows.len());
-        median(windows[range].iter().map(|w| w.mean))
+        median(windows[range].iter().map(|w| w.mean)).unwrap_or(0.0)
     };
     let near: Vec<f64> = (0..windows.len()).map(one).collect();
     let from_s = windows.first().map_or(0.0, |w| w.time_s);
@@ -204,15 +208,17 @@ fn near(windows: &[Window], step_n: f64) -> (Vec<f64>, bool) {
     let line = straight(&level, from_s, true);
     let off = |w: &Window| w.mean - line.0 - line.1 * (w.time_s - from_s);
     let square = level.iter().map(|w| off(w).powi(2)).sum::<f64>() / level.len().max(1) as f64;
-    let scatter = median(windows.iter().zip(&near).map(|(w, n)| (w.mean - n).abs()));
+    let apart = windows.iter().zip(&near).map(|(w, n)| (w.mean - n).abs());
+    let scatter = median(apart).unwrap_or(0.0);
     let stepped = square.sqrt() > STEPPED * 1.4826 * scatter + 0.3 * step_n;
     (near, stepped)
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+/// The middle one, by size; of an even number the upper.
+pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    values.get(values.len() / 2).copied()
 }
 
 /// Value at `from_s` and slope of the straight line through the means; level if the slope does not count, or is not

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::contacts::MeasuredImpacts;
 use super::least_squares::{self, Problem};
+use super::sensor::damped;
 
 /// The square that a swing must take from the tails, in variances of a sample: of the frequencies tried, noise gives one
 /// some 20.
@@ -150,13 +151,6 @@ impl Problem for Swings<'_> {
             _ => (SHORTEST_S.ln(), LONGEST_S.ln()),
         }
     }
-}
-
-/// Cosine and sine of a damped swing of size 1.
-fn damped(time_s: f64, hz: f64, decay_s: f64) -> [f64; 2] {
-    let (sin, cos) = (TAU * hz * time_s).sin_cos();
-    let size = (-time_s / decay_s).exp();
-    [size * cos, size * sin]
 }
 
 /// How much of a damped cosine and sine of this pitch and decay fits a tail best, N; none of it where it has hardly a sample.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use shared::model::rig::Rig;
 
 use crate::contact_law::undriven::Course;
-use crate::low_pass::{self, FilterState};
+use crate::low_pass::{self, FilterState, FilterStep};
 
 /// Steps in a contact at least.
 const STEPS: f64 = 100.0;
@@ -338,12 +338,11 @@ impl<'a> FilteredPulse<'a> {
     }
 
     fn states(&self, filter_s: f64, damping: f64) -> By {
-        let phase = self.step_s / filter_s;
-        let decay = low_pass::decay(damping, phase);
+        let step = FilterStep::new(damping, self.step_s / filter_s);
         let mut now = [0.0; 2];
         let mut states = vec![now];
         for pair in self.forces.windows(2) {
-            now = low_pass::advance(damping, phase, &decay, now, pair[0], pair[1]);
+            now = step.advance(now, pair[0], pair[1]);
             states.push(now);
         }
         By::States {
@@ -410,13 +409,13 @@ impl<'a> FilteredPulse<'a> {
         if phase < 1e-9 {
             return state[0];
         }
-        let decay = low_pass::decay(damping, phase);
+        let step = FilterStep::new(damping, phase);
         if at == last {
             // After the release the force is 0.
-            return low_pass::advance(damping, phase, &decay, state, 0.0, 0.0)[0];
+            return step.advance(state, 0.0, 0.0)[0];
         }
         let to = from + (self.forces[at + 1] - from) * rest / self.step_s;
-        low_pass::advance(damping, phase, &decay, state, from, to)[0]
+        step.advance(state, from, to)[0]
     }
 
     /// The filtered ringing `t` s after the onset, N.
@@ -449,7 +448,7 @@ impl<'a> FilteredPulse<'a> {
                 ];
                 let norm = under[0] * under[0] + under[1] * under[1];
                 let passed = [under[0] / norm, -under[1] / norm];
-                let [first, _] = low_pass::decay(*damping, since / filter_s);
+                let [first, _] = FilterStep::new(*damping, since / filter_s).decay;
                 let shown = swing.at(since);
                 let left = [
                     shown[0] - first[0] - first[1] * mu[0],
@@ -470,12 +469,16 @@ impl<'a> FilteredPulse<'a> {
 }
 
 impl Swing {
-    /// Real and imaginary part of exp(−t/τ + 2πift), `t` in s.
     fn at(&self, t: f64) -> [f64; 2] {
-        let size = (-t / self.decay_s).exp();
-        let (sin, cos) = (TAU * self.hz * t).sin_cos();
-        [size * cos, size * sin]
+        damped(t, self.hz, self.decay_s)
     }
+}
+
+/// Cosine and sine of a damped swing of size 1: real and imaginary part of exp(−t/τ + 2πift), `t` in s.
+pub fn damped(t: f64, hz: f64, decay_s: f64) -> [f64; 2] {
+    let (sin, cos) = (TAU * hz * t).sin_cos();
+    let size = (-t / decay_s).exp();
+    [size * cos, size * sin]
 }
 
 fn times(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

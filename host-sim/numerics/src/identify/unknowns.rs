@@ -16,34 +16,23 @@ const EXPONENT: f64 = 1.5;
 /// ki and the damping are sought from a thousandth to a thousand times their first guess.
 const DECADES: f64 = 3.0;
 
-/// How a coordinate of the search becomes a parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Scale {
-    /// Its logarithm: positive, of unknown size.
-    Log,
-    /// Its value, in the unit of its key.
-    Plain,
-}
-
 /// One parameter that is sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unknown {
     /// As rig files name it, or `release_mm`.
     pub key: &'static str,
-    scale: Scale,
+    log: bool,
     /// Range, in coordinates of the search.
     pub range: (f64, f64),
     guess: f64,
-    step: f64,
+    /// A step of the search.
+    pub step: f64,
 }
 
 impl Unknown {
     /// The parameter at a coordinate, in the unit of its key.
     pub fn value(&self, x: f64) -> f64 {
-        match self.scale {
-            Scale::Log => x.exp(),
-            Scale::Plain => x,
-        }
+        if self.log { x.exp() } else { x }
     }
 }
 
@@ -52,7 +41,6 @@ impl Unknown {
 pub struct Unknowns {
     family: LawKind,
     list: Vec<Unknown>,
-    steps: Vec<f64>,
     release_m: f64,
     seek_release: bool,
 }
@@ -121,7 +109,7 @@ fn has_exponent(family: LawKind) -> bool {
 fn log(key: &'static str, guess: f64, up: f64) -> Unknown {
     Unknown {
         key,
-        scale: Scale::Log,
+        log: true,
         range: (
             guess.ln() - DECADES * std::f64::consts::LN_10,
             guess.ln() + up * std::f64::consts::LN_10,
@@ -135,7 +123,7 @@ fn log(key: &'static str, guess: f64, up: f64) -> Unknown {
 fn plain(key: &'static str, guess: f64, range: (f64, f64), step: f64) -> Unknown {
     Unknown {
         key,
-        scale: Scale::Plain,
+        log: false,
         range,
         guess,
         step,
@@ -184,7 +172,6 @@ impl Unknowns {
         }
         Ok(Self {
             family,
-            steps: list.iter().map(|u| u.step).collect(),
             list,
             release_m: settings.release_m,
             seek_release: settings.seek_release,
@@ -194,11 +181,6 @@ impl Unknowns {
     /// The parameters that are sought.
     pub fn list(&self) -> &[Unknown] {
         &self.list
-    }
-
-    /// The scale of each, by which differences are taken.
-    pub fn steps(&self) -> &[f64] {
-        &self.steps
     }
 
     /// Where the searches begin: the guess, a fifth and five times the stiffness, a third and three times the
@@ -217,10 +199,7 @@ impl Unknowns {
                 let mut x = guess.clone();
                 x[0] += a * 5.0_f64.ln();
                 if damped {
-                    let by = match self.list[1].scale {
-                        Scale::Log => 3.0_f64.ln(),
-                        Scale::Plain => 0.3,
-                    };
+                    let by = if self.list[1].log { 3.0_f64.ln() } else { 0.3 };
                     let range = self.list[1].range;
                     x[1] = (x[1] + b * by).clamp(range.0 + 0.01, range.1 - 0.05);
                 }

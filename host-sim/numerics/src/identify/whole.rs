@@ -7,6 +7,7 @@ use super::SearchSettings;
 use super::by_force::REFUSED_SHARE;
 use super::contacts::MeasuredImpacts;
 use super::least_squares::{self, Solved};
+use super::quiet::correlated;
 use super::ring::{self, Ring};
 use super::sensor::FilterKind;
 use super::shape::{ForceShape, RingingGuess};
@@ -188,7 +189,9 @@ impl<'a> Found<'a> {
         let more = ratio > self.likely(measured, SIGNIFICANT);
         let colour = colour(&left).max(measured.colour);
         let widened = (if more { ratio } else { 1.0 } * colour).sqrt();
-        let forces = measured_squares(measured, &self.shape);
+        let windows = self.shape.windows.iter();
+        let forces = windows.flat_map(|w| &measured.force_n[w.clone()]);
+        let forces: f64 = forces.map(|f| f * f).sum();
         let beyond = (square - degrees * variance).max(0.0);
         if widened > 1.0 {
             self.shape.deviation_n *= widened;
@@ -218,21 +221,13 @@ impl<'a> Found<'a> {
 impl Whole<'_> {
     /// The covariance of the sensor's coordinates, gain and release apart.
     pub fn sensor_covariance(&self) -> Option<DMatrix<f64>> {
-        let all = self.shape.covariance(&self.best.x)?;
+        let all = least_squares::covariance(&self.shape, &self.best.x)?;
         let own = self.shape.sensor_coordinates();
         Some(
             all.view((own.start, own.start), (own.len(), own.len()))
                 .into_owned(),
         )
     }
-}
-
-fn measured_squares(measured: &MeasuredImpacts, shape: &ForceShape) -> f64 {
-    let windows = shape.windows().iter();
-    windows
-        .flat_map(|w| &measured.force_n[w.clone()])
-        .map(|f| f * f)
-        .sum()
 }
 
 /// How much more sums of these vary than those of independent numbers would.
@@ -244,15 +239,9 @@ fn colour(left: &[Vec<f64>]) -> f64 {
         left.iter().map(one).sum()
     };
     let whole = square(0);
-    let mut colour = 1.0;
     if whole > 0.0 {
-        for lag in 1..LAGS {
-            let tie = square(lag) / whole;
-            if tie < 3.0 / (count as f64).sqrt() {
-                break;
-            }
-            colour += 2.0 * tie;
-        }
+        correlated(LAGS, count as f64, whole, square)
+    } else {
+        1.0
     }
-    colour
 }

@@ -82,14 +82,6 @@ pub fn or_failed(outcome: Result<CellOutcome, Error>) -> Result<Option<CellOutco
     }
 }
 
-/// Runs every cell in this thread: for work that is shared out by the caller. The same outcomes as [`run`].
-///
-/// # Errors
-/// As [`run`].
-pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<CellOutcome>, Error> {
-    run_with(Instructions::Widest, cells, plan).map(|(outcomes, _)| outcomes)
-}
-
 /// A run of `plan` from the section point `start` in a lane; none where the lanes must leave it to the reference.
 pub(crate) fn settled(
     params: &RigParams,

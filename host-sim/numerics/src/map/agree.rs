@@ -147,7 +147,7 @@ pub fn check_audit(request: &MapRequest) -> Result<(), Error> {
 }
 
 /// How alike two maps are over Ω/ω and gap/A0.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Similarity {
     /// Names of the two rigs.
     pub rigs: [String; 2],
@@ -171,12 +171,7 @@ pub fn similarity(a: &Map, b: &Map) -> Similarity {
     let columns = places(&a.frequency_ratios(), &b.frequency_ratios());
     let mut found = Similarity {
         rigs: [a.rig.name.clone(), b.rig.name.clone()],
-        cells: 0,
-        same: 0,
-        striking: 0,
-        same_striking: 0,
-        orderly: 0,
-        same_orderly: 0,
+        ..Similarity::default()
     };
     let orderly = |r: Regime| r.periods().is_some_and(|n| n <= 2);
     for (i, row) in rows.iter().enumerate() {

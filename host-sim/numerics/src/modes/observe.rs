@@ -15,7 +15,7 @@ use crate::parallel;
 use crate::progress::{Progress, step};
 use crate::row::CartModel;
 use crate::row::NamedRig;
-use crate::row::{regime_as_text, tidy};
+use crate::row::{extent, regime_as_text, tidy};
 
 /// A beam rig run at several drive frequencies with several numbers of modes.
 #[derive(Clone, Debug)]
@@ -258,12 +258,7 @@ impl ModesRow {
     ) -> Self {
         let params: &RigParams = &rig.params;
         let count = seen.section_m.len() as f64;
-        let least = seen.section_m.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = seen
-            .section_m
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
+        let [least, most] = extent(seen.section_m.iter().copied());
         let energy: f64 = seen.energy_j.iter().sum();
         let loss: f64 = seen.loss_w.iter().sum();
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };

@@ -8,7 +8,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::flow::Scalar;
-use crate::reference::{LocatedContact, Reference, TOLERANCE};
+use crate::reference::{LocatedContact, Reference, TOLERANCE, TrajectoryObserver};
 pub use loop_force::loop_force_n;
 pub(crate) use monodromy::seeds;
 pub use monodromy::{Monodromy, Multipliers};
@@ -215,7 +215,7 @@ pub(crate) fn shoot_to(
             image.monodromy = near;
             image
         } else {
-            ReturnMapImage::to(exactness, params, frequency_hz, x, periods)?
+            ReturnMapImage::of(exactness, params, frequency_hz, x, periods)?
         };
         let miss = image.miss(x);
         let size = largest(miss);
@@ -271,16 +271,6 @@ impl ReturnMapImage {
     /// Of the section point `x` after `periods`. `None` for a point that belongs to no orbit, or whose motion cannot
     /// be followed.
     pub(crate) fn of(
-        params: &RigParams,
-        frequency_hz: f64,
-        x: Section,
-        periods: u8,
-    ) -> Option<Self> {
-        Self::to(Exactness::FULL, params, frequency_hz, x, periods)
-    }
-
-    /// [`Self::of`] to this `exactness` instead of the full one.
-    fn to(
         exactness: Exactness,
         params: &RigParams,
         frequency_hz: f64,
@@ -397,23 +387,30 @@ impl ReturnMapImage {
     }
 }
 
-/// Where the section point `x` is after `periods`, without derivatives. `None` where the motion cannot be followed.
-pub(crate) fn after_periods(
+/// Where hammer and cart are that begin on `state` at drive phase `from` (turns), `turns` drive periods later. `None` where
+/// the motion cannot be followed.
+pub(crate) fn carried<R: Scalar>(
     params: &RigParams,
     frequency_hz: f64,
-    x: Section,
-    periods: u8,
-) -> Option<Section> {
-    let mut hammer = Reference::<f64>::new(params, frequency_hz, x[0], x[1])
-        .ok()?
-        .with_cart([x[2], x[3]]);
-    for _ in 0..periods {
-        hammer.run_period(&mut ());
+    [q, v, e, w]: [R; 4],
+    (from, turns): (f64, f64),
+    watch: &mut impl TrajectoryObserver,
+) -> Option<[R; 4]> {
+    let phase = from.rem_euclid(1.0);
+    let hammer = Reference::new(params, frequency_hz, q, v).ok()?;
+    let mut hammer = hammer.from_phase(phase).with_cart([e, w]);
+    let end = phase + turns;
+    for _ in 0..end.floor() as u32 {
+        hammer.run_period(watch);
+    }
+    let rest = end - end.floor();
+    if rest > 0.0 && turns > 0.0 {
+        hammer.run_until(rest, watch);
     }
     let (q, v) = hammer.state();
     let [e, w] = hammer.cart();
-    let end = [q, v, e, w];
-    end.iter().all(|x| x.is_finite()).then_some(end)
+    let all = [q, v, e, w];
+    all.iter().all(|x| x.to_f64().is_finite()).then_some(all)
 }
 
 fn in_contact(rig: &Rig<f64>, x: [f64; 2]) -> bool {

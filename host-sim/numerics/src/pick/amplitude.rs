@@ -90,13 +90,7 @@ pub fn best_within<C: PickCase>(
     progress: &dyn Progress,
 ) -> Option<C::Orbit> {
     let branch = &case.best_branch(rig, &WithinStep(progress)).ok()?;
-    let field = PickField {
-        rig,
-        branch,
-        members: &[],
-        progress,
-    };
-    field.best(branch.range(), limits)
+    PickField::nominal(rig, branch, progress).best(branch.range(), limits)
 }
 
 #[cfg(test)]

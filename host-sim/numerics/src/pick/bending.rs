@@ -200,7 +200,7 @@ impl BendingRequest<'_> {
         let weight = self.params.weight_n();
         let share = |orbit: &Option<ModalOrbit>| force(orbit.as_ref()) / chosen.force_n;
         let least = |curve: &[Option<ModalOrbit>]| curve.iter().map(share).fold(1.0, f64::min);
-        let over = self.over_the_uncertainty(modal, &chosen);
+        let (over, rigs) = self.over_the_uncertainty(modal, &chosen);
         check(progress)?;
         let any_springs = self.any_springs(modal, band_hz, &chosen);
         check(progress)?;
@@ -215,7 +215,7 @@ impl BendingRequest<'_> {
             modes_force_ratio_worst: Some(over.force_n[0] / weight),
             modes_force_ratio_largest: Some(over.force_n[1] / weight),
             modes_multipliers_worst: Some(over.multiplier),
-            modes_rigs: Some(over.rigs),
+            modes_rigs: Some(rigs),
             modes_rigs_one_one: Some(over.one_one),
             one_mode_frequency_hz: Some(self.chosen_hz),
             one_mode_safe_band_hz: Some([low, high]),
@@ -301,7 +301,7 @@ impl BendingRequest<'_> {
 
     /// Every rig of the uncertainty with springs of other masses, at the frequency of `chosen`: the corners with the
     /// lightest, nominal and heaviest springs, the others with masses spread evenly. Of exact parameters, the nominal one.
-    fn over_the_uncertainty(&self, modal: Modal, chosen: &ModalOrbit) -> Over {
+    fn over_the_uncertainty(&self, modal: Modal, chosen: &ModalOrbit) -> (Over, usize) {
         let (corners, inside) = self.members.split_at(self.corners);
         let at_corners = corners
             .iter()
@@ -322,7 +322,7 @@ impl BendingRequest<'_> {
         });
         let nominal = Over::of(Some(chosen));
         let all = each.into_iter().fold(nominal, Over::with);
-        all.counted(rigs.len() + 1)
+        (all, rigs.len() + 1)
     }
 
     /// The nominal rig in `band_hz` with springs of every mass of their uncertainty.
@@ -383,7 +383,6 @@ struct Over {
     force_n: [f64; 2],
     multiplier: f64,
     one_one: usize,
-    rigs: usize,
 }
 
 impl Over {
@@ -392,13 +391,11 @@ impl Over {
             force_n: [f64::INFINITY, 0.0],
             multiplier: 0.0,
             one_one: 0,
-            rigs: 0,
         };
         orbit.map_or(lost, |orbit| Self {
             force_n: [orbit.force_n; 2],
             multiplier: orbit.multiplier,
             one_one: 1,
-            rigs: 0,
         })
     }
 
@@ -410,12 +407,7 @@ impl Over {
             ],
             multiplier: self.multiplier.max(other.multiplier),
             one_one: self.one_one + other.one_one,
-            rigs: 0,
         }
-    }
-
-    fn counted(self, rigs: usize) -> Self {
-        Self { rigs, ..self }
     }
 }
 

@@ -37,8 +37,18 @@ pub struct PickField<'a, C: PickCase = RigParams> {
 }
 
 impl<'a, C: PickCase> PickField<'a, C> {
+    /// Of the nominal rig alone.
+    pub fn nominal(rig: &'a NamedRig, branch: &'a Branch<C>, progress: &'a dyn Progress) -> Self {
+        Self {
+            rig,
+            branch,
+            members: &[],
+            progress,
+        }
+    }
+
     /// This field with `members` in place of its own.
-    fn asking<'b>(&self, members: &'b [C::Followed]) -> PickField<'b, C>
+    pub fn asking<'b>(&self, members: &'b [C::Followed]) -> PickField<'b, C>
     where
         'a: 'b,
     {
@@ -273,10 +283,8 @@ impl<'a, C: PickCase> PickField<'a, C> {
         let (certain, free) = (self.asking(&[]), self.branch.range());
         let mut uses = vec![LimitUse {
             name: "the uncertainty",
-            limit: None,
             binds: more(certain.best(free, limits)),
-            together: false,
-            assumed: false,
+            ..LimitUse::default()
         }];
         if more(self.best(robust, limits)) {
             uses.push(LimitUse::reserve(kept));

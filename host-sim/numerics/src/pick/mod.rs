@@ -249,24 +249,14 @@ fn pick_at_amplitude<C: PickCase>(
     let power = branch.best(range, |orbit| C::numbers_of(orbit).impact_power_w);
     let power = power.ok_or_else(|| no_one_one(rig))?;
 
-    let certain = PickField {
-        rig,
-        branch: &branch,
-        members: &[],
-        progress,
-    };
+    let certain = PickField::nominal(rig, &branch, progress);
     if certain.best(range, limits).is_none() {
         check(progress)?;
         return Err(certain.nothing(range, limits));
     }
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
-    let field = PickField {
-        rig,
-        branch: &branch,
-        members: &robust.members,
-        progress,
-    };
+    let field = certain.asking(&robust.members);
     let mut choice = field.choose(robust.hz, limits)?;
     let allowed = |chosen: &C::Orbit, limits_hz: (f64, f64)| {
         let band = worth_band(&branch, chosen);
@@ -373,17 +363,10 @@ fn comparable<C: PickCase>(
     limits: PickLimits,
     progress: &dyn Progress,
 ) -> Option<BestPoint> {
-    let field = PickField {
-        rig,
-        branch,
-        members: &[],
-        progress,
-    };
-    let orbit = field.choose(branch.range(), limits.without_the_shaker());
-    Some(BestPoint::of(
-        &C::numbers_of(&orbit.ok()?.orbit),
-        &rig.params,
-    ))
+    let field = PickField::nominal(rig, branch, progress);
+    let chosen = field.choose(branch.range(), limits.without_the_shaker());
+    let orbit = C::numbers_of(&chosen.ok()?.orbit);
+    Some(BestPoint::of(&orbit, &rig.params))
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.

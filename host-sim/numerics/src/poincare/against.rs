@@ -6,8 +6,8 @@ use shared::model::contacts::Period;
 use shared::model::regime::Detector;
 use shared::model::rig::Rig;
 
-use super::cloud::{Apart, apart};
-use super::{Portrait, SectionRequest, portrait};
+use super::cloud::apart;
+use super::{Portrait, SectionPoint, SectionRequest, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
 use crate::parallel;
@@ -113,14 +113,28 @@ pub fn against(
     );
     let (exact, again, smoothed) = (exact?, again?, smoothed?);
     check(progress)?;
-    let compared = Compared::new(&request, [q, v], units, &exact);
-    let exponents =
-        lyapunov::exponents(&request.params, request.frequency_hz, [q, v], compared.span);
-    let summary = compared.switch("switch", &exact, exponents.ok());
-    let again = compared.switch("switch, another start", &again, None);
-    let smoothed = parallel::try_map(&smoothed, |ran| {
+    let exact_run = Ran::from(&exact);
+    let compared = Compared {
+        hz: request.frequency_hz,
+        units,
+        reference: cloud(&exact_run.points, units),
+    };
+    let span = lyapunov::LyapunovSpan {
+        transient: request.transient,
+        periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
+    };
+    let (params, hz) = (&request.params, request.frequency_hz);
+    let exponents = lyapunov::exponents(params, hz, [q, v], span);
+    let summary = compared.summary("switch", &exact_run, exponents.ok());
+    let again = compared.summary("switch, another start", &Ran::from(&again), None);
+    let smoothed = parallel::try_map(&smoothed, |(epsilon_m, ran)| {
         check(progress)?;
-        Ok(compared.smoothed(ran))
+        let exponents = lyapunov::of_smoothed(params, hz, *epsilon_m, [q, v], span);
+        Ok(Smoothing {
+            epsilon_m: *epsilon_m,
+            summary: compared.summary("smoothed", ran, exponents.ok()),
+            points: ran.points.clone(),
+        })
     })?;
     Ok(SectionComparison {
         smoothed,
@@ -131,93 +145,34 @@ pub fn against(
 }
 
 /// What sections are compared with, and how.
-struct Compared<'a> {
-    request: &'a SectionRequest,
-    /// Coordinate and rate at the start.
-    start: [f64; 2],
+struct Compared {
+    /// Drive frequency, Hz.
+    hz: f64,
     /// A0 in mm, and A0 Ω in m/s.
     units: (f64, f64),
     /// The switch's section in these units.
     reference: Vec<(f64, f64)>,
-    /// What exponents are computed over.
-    span: lyapunov::LyapunovSpan,
 }
 
-impl<'a> Compared<'a> {
-    fn new(
-        request: &'a SectionRequest,
-        start: [f64; 2],
-        units: (f64, f64),
-        exact: &Portrait,
-    ) -> Self {
-        Self {
-            request,
-            start,
-            units,
-            reference: cloud(&points_of(exact), units),
-            span: lyapunov::LyapunovSpan {
-                transient: request.transient,
-                periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
-            },
-        }
-    }
-
-    fn distance(&self, points: &[(f64, f64)]) -> Apart {
-        apart(&self.reference, &cloud(points, self.units))
-    }
-
-    /// The figures of a section by the switch.
-    fn switch(
-        &self,
-        model: &'static str,
-        portrait: &Portrait,
-        exponents: Option<Exponents>,
-    ) -> SectionSummary {
-        let steps = Steps {
-            section_periods: portrait.regime.periods(),
-            per_period: portrait.steps_per_period,
-        };
-        let apart = self.distance(&points_of(portrait));
-        self.summary(model, None, steps, apart, exponents)
-    }
-
-    /// The figures of a section by the smoothing method.
-    fn smoothed(&self, (epsilon, points, steps): &Ran) -> Smoothing {
-        let exponents = lyapunov::of_smoothed(
-            &self.request.params,
-            self.request.frequency_hz,
-            epsilon.0,
-            self.start,
-            self.span,
-        );
-        let apart = self.distance(points);
-        Smoothing {
-            epsilon_m: epsilon.0,
-            summary: self.summary("smoothed", Some(*epsilon), *steps, apart, exponents.ok()),
-            points: points.clone(),
-        }
-    }
-
+impl Compared {
     fn summary(
         &self,
         model: &'static str,
-        epsilon: Option<(f64, f64)>,
-        steps: Steps,
-        apart: Apart,
+        ran: &Ran,
         exponents: Option<Exponents>,
     ) -> SectionSummary {
-        let hz = self.request.frequency_hz;
+        let apart = apart(&self.reference, &cloud(&ran.points, self.units));
         SectionSummary {
             model,
-            epsilon_m: epsilon.map(|e| e.0),
-            epsilon_n: epsilon.map(|e| e.1),
-            section_periods: steps.section_periods,
-            steps_per_period: steps.per_period,
+            epsilon_m: ran.epsilon.map(|e| e.0),
+            epsilon_n: ran.epsilon.map(|e| e.1),
+            section_periods: ran.section_periods,
+            steps_per_period: ran.steps_per_period,
             carried: apart.carried,
             boxes_not_shared: apart.boxes_not_shared,
             variation: apart.variation,
             largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
-            exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / hz),
+            exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / self.hz),
         }
     }
 }
@@ -230,24 +185,35 @@ fn cloud(points: &[(f64, f64)], units: (f64, f64)) -> Vec<(f64, f64)> {
         .collect()
 }
 
-#[derive(Clone, Copy)]
-struct Steps {
+/// A section, and how it was run.
+struct Ran {
+    /// Widths of the smoothing, m and N.
+    epsilon: Option<(f64, f64)>,
+    /// Displacement (mm) and velocity (m/s) of its points.
+    points: Vec<(f64, f64)>,
     section_periods: Option<u8>,
-    per_period: f64,
+    steps_per_period: f64,
 }
 
-/// Displacement (mm) and velocity (m/s) of a portrait's first section.
-fn points_of(portrait: &Portrait) -> Vec<(f64, f64)> {
-    let section = portrait.sections.first().into_iter().flatten();
-    section
-        .map(|p| (p.relative_displacement_mm, p.relative_velocity_m_per_s))
-        .collect()
+impl From<&Portrait> for Ran {
+    fn from(portrait: &Portrait) -> Self {
+        let section = portrait.sections.first().into_iter().flatten();
+        let point = |p: &SectionPoint| (p.relative_displacement_mm, p.relative_velocity_m_per_s);
+        Self {
+            epsilon: None,
+            points: section.map(point).collect(),
+            section_periods: portrait.regime.periods(),
+            steps_per_period: portrait.steps_per_period,
+        }
+    }
 }
 
-/// The section of the smoothed model.
-type Ran = ((f64, f64), Vec<(f64, f64)>, Steps);
-
-fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
+/// The section of the model smoothed over `width_m`, after that width.
+fn run(
+    request: &SectionRequest,
+    width_m: f64,
+    progress: &dyn Progress,
+) -> Result<(f64, Ran), Error> {
     let params = &request.params;
     let rig = Rig::<f64>::new(params)?;
     let omega = std::f64::consts::TAU * request.frequency_hz;
@@ -279,9 +245,11 @@ fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Resul
         hammer.run_period(&mut ());
         step(progress, 1)?;
     }
-    let steps = Steps {
+    let ran = Ran {
+        epsilon: Some((width_m, hammer.epsilon_n())),
+        points,
         section_periods: detector.regime().periods(),
-        per_period: (hammer.steps() - before) as f64 / f64::from(request.points),
+        steps_per_period: (hammer.steps() - before) as f64 / f64::from(request.points),
     };
-    Ok(((width_m, hammer.epsilon_n()), points, steps))
+    Ok((width_m, ran))
 }

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use crate::row::extent;
+
 /// How far two clouds are apart, by two measures that agree on the same cloud: 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Apart {
@@ -57,8 +59,7 @@ fn carried(a: &[(f64, f64)], b: &[(f64, f64)]) -> f64 {
 fn boxes(a: &[(f64, f64)], b: &[(f64, f64)]) -> (f64, f64) {
     let all = || a.iter().chain(b);
     let ends = |value: fn(&(f64, f64)) -> f64| {
-        let low = all().map(value).fold(f64::INFINITY, f64::min);
-        let high = all().map(value).fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = extent(all().map(value));
         (low, (high - low).max(f64::MIN_POSITIVE))
     };
     let (x, y) = (ends(|p| p.0), ends(|p| p.1));

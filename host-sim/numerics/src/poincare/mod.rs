@@ -98,10 +98,7 @@ pub struct Portrait {
 impl Portrait {
     /// Its regime, or that it has not settled.
     pub fn outcome(&self) -> Outcome {
-        match self.unsettled {
-            true => Outcome::Unsettled,
-            false => Outcome::Regime(self.regime),
-        }
+        Outcome::new(self.regime, self.unsettled, false)
     }
 }
 

@@ -17,8 +17,7 @@ use files::ground::{BitWords, FEEDS, feed, feed_name};
 use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::drill::{
-    Among, DrillAnswer, DrillPlan, DrillRow, DrillSetting, Feed, GroundUncertainty, advise, grid,
-    refined,
+    Among, DrillAnswer, DrillPlan, DrillRow, DrillRuns, DrillSetting, Feed, GroundUncertainty, grid,
 };
 use numerics::sweep::spread;
 
@@ -138,7 +137,12 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<DrillRepor
         there.params = rig.params.with_gap_mm(*gap_mm)?;
         // Where nothing gives way, any row says so.
         let any = Among::All.best(rows).unwrap_or(0);
-        let top = refined(&there, &setting, rows, Among::OneOne, plan);
+        let runs = DrillRuns {
+            rig: &there,
+            setting,
+            plan,
+        };
+        let top = runs.refined(rows, Among::OneOne);
         let top = top.unwrap_or_else(|_| rows[any].clone());
         // The refined 1/1 may drill faster than every row between which it lies.
         let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
@@ -152,10 +156,10 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<DrillRepor
         }
         gaps.push(top);
     }
-    let Some((there, of_gap, _)) = best else {
+    let Some((rig, of_gap, _)) = &best else {
         return Err(UserError::new("there is no gap; give one with --gap"));
     };
-    let advice = advise(&there, &setting, of_gap, Some(uncertainty), plan, &progress)?;
+    let advice = DrillRuns { rig, setting, plan }.advise(of_gap, Some(uncertainty), &progress)?;
     progress.finish();
     let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
     // A row of the grid beats the best 1/1, which is refined between rows, only by more than the grid is coarse.

@@ -10,7 +10,8 @@ use crate::progress::ProgressLine;
 use files::UserError;
 use files::range::within;
 use files::table::to_csv;
-use numerics::drill::published::{Drifting, DriftingPlan, DriftingRow, PERIOD_TWO, diagram};
+use numerics::drill::DrillPlan;
+use numerics::drill::published::{Drifting, DriftingRow, PERIOD_TWO, diagram};
 
 /// Its parameters, without dimensions: mass, stiffness and threshold are 1.
 #[derive(Clone, Debug, clap::Args)]
@@ -99,7 +100,7 @@ pub fn run(args: &PublishedOscillator, settle: u32, output: &OutputArgs) -> Resu
             bad.b
         )));
     }
-    let plan = DriftingPlan {
+    let plan = DrillPlan {
         settle,
         recorded: 64,
     };

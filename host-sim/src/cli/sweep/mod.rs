@@ -172,7 +172,7 @@ fn text(rows: &[RunRow]) -> String {
             Some(why) => format!("failed: {why}\n"),
             None => format!(
                 "{:<10} {:>13.3} {:>9.2}  {}\n",
-                row.outcome().to_string(),
+                row.outcome.to_string(),
                 row.force_ratio,
                 row.force_n,
                 number(row.approach_speed_m_per_s, 5)

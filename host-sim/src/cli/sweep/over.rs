@@ -137,7 +137,7 @@ fn text(output: &OutputArgs, rig: &NamedRig, asked: &OverOption, rows: &[OverRow
             Some(why) => format!("failed: {why}\n"),
             None => format!(
                 "{:<10} {:>13.3} {:>9.2}\n",
-                row.outcome().to_string(),
+                row.outcome.to_string(),
                 row.force_ratio,
                 row.force_n
             ),

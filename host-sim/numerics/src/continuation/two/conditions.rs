@@ -1,5 +1,6 @@
 //! The equations of a curve: an orbit, and what holds of it.
 
+use nalgebra::DVector;
 use shared::model::params::{ParamError, RigParams};
 
 use super::graze::{Graze, Windows};
@@ -7,7 +8,7 @@ use super::plane::Plane;
 use super::{Codimension, Condition, TwoParameterPoint};
 use crate::continuation::family::units;
 use crate::continuation::march::{ContactMargins, onsets};
-use crate::orbit::{Monodromy, Orbit, ReturnMapImage, Section};
+use crate::orbit::{Exactness, Monodromy, Orbit, ReturnMapImage, Section};
 use crate::reference::LocatedContact;
 
 /// The equations of one curve. Its unknowns are those of the orbit and the places of both parameters.
@@ -92,7 +93,7 @@ impl System {
             return self.graze(x, params, hz).miss();
         }
         let section = self.section(x);
-        let image = ReturnMapImage::of(&params, hz, section, self.periods)?;
+        let image = ReturnMapImage::of(Exactness::FULL, &params, hz, section, self.periods)?;
         let mut miss = image.miss(section)[..n - 2].to_vec();
         let monodromy = image.monodromy;
         miss.push(match self.condition {
@@ -103,14 +104,20 @@ impl System {
     }
 
     /// The point at `x`, where the equations hold. None if there is no such orbit after all.
-    pub fn point(&self, x: Vec<f64>, tangent: Vec<f64>) -> Option<TwoParameterPoint> {
+    pub fn point(&self, x: DVector<f64>, tangent: DVector<f64>) -> Option<TwoParameterPoint> {
         let n = x.len();
         let (values, params, frequency_hz) = self.plane.at_places([x[n - 2], x[n - 1]])?;
         let found = if self.condition == Condition::Grazing {
-            self.graze(&x, params, frequency_hz).found()?
+            self.graze(x.as_slice(), params, frequency_hz).found()?
         } else {
-            let section = self.section(&x);
-            let image = ReturnMapImage::of(&params, frequency_hz, section, self.periods)?;
+            let section = self.section(x.as_slice());
+            let image = ReturnMapImage::of(
+                Exactness::FULL,
+                &params,
+                frequency_hz,
+                section,
+                self.periods,
+            )?;
             of_orbit(&image.orbit(frequency_hz, section)?)
         };
         let tests = [

@@ -2,10 +2,7 @@
 
 use super::graze::Windows;
 use super::starts::Seed;
-use super::{
-    Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint, ahead, dot, length,
-    marks, minus,
-};
+use super::{Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint, marks};
 use crate::continuation::CurveEnd;
 use crate::continuation::march::{Break, both_ways, contacts_alike};
 use crate::error::Error;
@@ -72,7 +69,7 @@ impl TwoParameterCurve {
             if !(0.0..=1.0).contains(&s) {
                 return None;
             }
-            let mut guess = ahead(&a.x, s, &minus(&b.x, &a.x));
+            let mut guess = &a.x + s * (&b.x - &a.x);
             let n = guess.len();
             guess[n - 2 + parameter] = place;
             adapted(self.system, a).correct_at(&guess, parameter)
@@ -105,7 +102,7 @@ impl TwoParameterCurve {
             if !inside || (a1 + s * (b1 - a1) - first).abs() > reach {
                 return false;
             }
-            let mut guess = ahead(&a.x, s, &minus(&b.x, &a.x));
+            let mut guess = &a.x + s * (&b.x - &a.x);
             let n = guess.len();
             guess[n - 1] = second;
             let system = adapted(self.system, a);
@@ -168,17 +165,16 @@ fn march(
 }
 
 fn heading(before: &TwoParameterPoint, last: &TwoParameterPoint) -> Option<Break> {
-    let apart = length(&minus(&last.x, &before.x));
+    let apart = (&last.x - &before.x).norm();
     Break::ahead(apart, &before.margins, &last.margins)
 }
 
 /// The next point, if it is one of the same curve: the same contacts, and no sharp turn.
 fn next(system: &System, last: &TwoParameterPoint, stride: f64) -> Option<TwoParameterPoint> {
-    let guess = ahead(&last.x, stride, &last.tangent);
+    let guess = &last.x + stride * &last.tangent;
     let next = system.correct(&guess, &last.tangent)?;
-    let moved = minus(&next.x, &last.x);
-    let near = dot(&moved, &moved) < 2.0 * stride * stride;
-    let straight = dot(&next.tangent, &last.tangent) > STRAIGHT;
+    let near = (&next.x - &last.x).norm_squared() < 2.0 * stride * stride;
+    let straight = next.tangent.dot(&last.tangent) > STRAIGHT;
     let leaves = next.leaving.is_none_or(|a| a > 0.0);
     let alike = next.impacts == last.impacts
         && next.onsets.len() == last.onsets.len()
@@ -213,28 +209,25 @@ fn at_limit(
         }
     }
     let (s, k, limit) = nearest?;
-    let mut guess = ahead(&last.x, s, &minus(&next.x, &last.x));
+    let mut guess = &last.x + s * (&next.x - &last.x);
     let n = guess.len();
     guess[n - 2 + k] = limit;
     // A curve that touches the limit only may have no point there: it ends where it was.
     let cut = system.correct_at(&guess, k).unwrap_or_else(|| last.clone());
-    let along = dot(&cut.tangent, &last.tangent) >= 0.0;
+    let along = cut.tangent.dot(&last.tangent) >= 0.0;
     Some(if along { cut } else { cut.turned() })
 }
 
 /// Whether the step from `last` to `next` has come back to `seed`.
 fn back_at(seed: &TwoParameterPoint, last: &TwoParameterPoint, next: &TwoParameterPoint) -> bool {
-    let step = minus(&next.x, &last.x);
-    let to_seed = minus(&seed.x, &last.x);
-    let share = dot(&to_seed, &step) / dot(&step, &step);
+    let step = &next.x - &last.x;
+    let to_seed = &seed.x - &last.x;
+    let share = to_seed.dot(&step) / step.norm_squared();
     if !(0.0..=1.0).contains(&share) || last.x == seed.x {
         return false;
     }
-    let off = minus(
-        &to_seed,
-        &step.iter().map(|x| share * x).collect::<Vec<_>>(),
-    );
-    dot(&off, &off) < 0.01 * dot(&step, &step) && dot(&seed.tangent, &next.tangent) > STRAIGHT
+    let off = to_seed - share * &step;
+    off.norm_squared() < 0.01 * step.norm_squared() && seed.tangent.dot(&next.tangent) > STRAIGHT
 }
 
 /// What ends a curve, as a second condition.

@@ -12,8 +12,8 @@ use shared::model::rig::Rig;
 use super::conditions::OrbitConditions;
 use crate::continuation::march::ContactMargins;
 use crate::flow::Scalar;
-use crate::orbit::{Monodromy, OrbitWatch, Section, seeds};
-use crate::reference::{LocatedContact, Reference, TrajectoryObserver};
+use crate::orbit::{Monodromy, OrbitWatch, Section, carried, seeds};
+use crate::reference::{LocatedContact, TrajectoryObserver};
 
 /// The flights from and to the touch in which no other contact is near, drive periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,18 +85,20 @@ impl Graze {
         let phase = self.phase.rem_euclid(1.0);
         let left = self.flight(start, phase, after)?;
         let between = whole - after - before;
-        let struck = self.leg(&self.params, left, phase + after, between, watch)?;
+        let turns = (phase + after, between);
+        let struck = carried(&self.params, self.frequency_hz, left, turns, watch)?;
         self.flight(struck, phase + whole - before, before)
     }
 
-    /// [`Self::leg`] of this rig with its surface out of reach.
+    /// [`carried`] of this rig with its surface out of reach.
     fn flight<R: Scalar>(&self, state: [R; 4], from: f64, turns: f64) -> Option<[R; 4]> {
         let open = self.without_surface();
         // Coordinates are counted from the surface.
         let rest = |params: &RigParams| Some(Rig::<f64>::new(params).ok()?.coordinate_at(0.0));
         let shift = R::from_f64(rest(&open)? - rest(&self.params)?);
         let [q, v, e, w] = state;
-        let [q, v, e, w] = self.leg(&open, [q + shift, v, e, w], from, turns, &mut ())?;
+        let state = [q + shift, v, e, w];
+        let [q, v, e, w] = carried(&open, self.frequency_hz, state, (from, turns), &mut ())?;
         Some([q - shift, v, e, w])
     }
 
@@ -110,33 +112,6 @@ impl Graze {
             gap_m: farthest.min(0.1),
             ..self.params
         }
-    }
-
-    /// `params` from `state` at drive phase `from` (turns) for `turns` drive periods.
-    fn leg<R: Scalar>(
-        &self,
-        params: &RigParams,
-        state: [R; 4],
-        from: f64,
-        turns: f64,
-        watch: &mut impl TrajectoryObserver,
-    ) -> Option<[R; 4]> {
-        let [q, v, e, w] = state;
-        let phase = from.rem_euclid(1.0);
-        let hammer = Reference::new(params, self.frequency_hz, q, v).ok()?;
-        let mut hammer = hammer.from_phase(phase).with_cart([e, w]);
-        let end = phase + turns;
-        for _ in 0..end.floor() as u32 {
-            hammer.run_period(watch);
-        }
-        let rest = end - end.floor();
-        if rest > 0.0 && turns > 0.0 {
-            hammer.run_until(rest, watch);
-        }
-        let (q, v) = hammer.state();
-        let [e, w] = hammer.cart();
-        let all = [q, v, e, w];
-        all.iter().all(|x| x.to_f64().is_finite()).then_some(all)
     }
 
     /// Penetration and its rate at the end, and how far the cart is from where it was: over A0 and A0 Ω.
@@ -210,25 +185,8 @@ impl Graze {
         if rest <= 0.0 {
             return Some([left[0], left[1]]);
         }
-        let [q, v, ..] = self.leg(&self.params, left, phase + after, rest, &mut ())?;
+        let turns = (phase + after, rest);
+        let [q, v, ..] = carried(&self.params, self.frequency_hz, left, turns, &mut ())?;
         Some([q, v])
     }
-}
-
-/// Where hammer and cart are after `turns` drive periods from a section point at drive phase 0.
-pub fn carried(
-    params: &RigParams,
-    frequency_hz: f64,
-    from: Section,
-    turns: f64,
-) -> Option<Section> {
-    let graze = Graze {
-        params: *params,
-        frequency_hz,
-        periods: 1,
-        phase: 0.0,
-        cart: [0.0; 2],
-        windows: Windows::default(),
-    };
-    graze.leg(params, from, 0.0, turns, &mut ())
 }

@@ -1,9 +1,10 @@
 //! Points of codimension two: where a curve has a second condition.
 
+use nalgebra::Vector2;
+
 use super::follow::mark_of;
-use super::{
-    Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint, ahead, dot, length, minus,
-};
+use super::{Codimension, Condition, System, TwoParameterCurve, TwoParameterPoint};
+
 use crate::root::false_position;
 
 /// A mark is located to this far along the curve.
@@ -27,10 +28,7 @@ pub fn between(
             tests.push((Codimension::FoldDoubling, Box::new(doubling)));
             // The parameters stand still and turn back there.
             let onwards = shift(a);
-            tests.push((
-                Codimension::Cusp,
-                Box::new(move |p| dot(&shift(p), &onwards)),
-            ));
+            tests.push((Codimension::Cusp, Box::new(move |p| shift(p).dot(&onwards))));
             if system.recoils() {
                 tests.push((Codimension::Resonance, Box::new(|p| p.tests[2])));
             }
@@ -45,19 +43,19 @@ pub fn between(
         .filter_map(|(kind, test)| {
             let mut point = root(system, a, b, &test)?;
             point.mark = Some(kind);
-            let still = length(&shift(&point)) < 1e-3;
+            let still = shift(&point).norm() < 1e-3;
             (kind != Codimension::Cusp || still).then_some(point)
         })
         .collect();
-    let along = |p: &TwoParameterPoint| dot(&minus(&p.x, &a.x), &a.tangent);
+    let along = |p: &TwoParameterPoint| (&p.x - &a.x).dot(&a.tangent);
     found.sort_by(|p, q| along(p).total_cmp(&along(q)));
     found
 }
 
 /// How both parameters go on along the curve.
-fn shift(point: &TwoParameterPoint) -> Vec<f64> {
+fn shift(point: &TwoParameterPoint) -> Vector2<f64> {
     let n = point.tangent.len();
-    point.tangent[n - 2..].to_vec()
+    point.tangent.fixed_rows::<2>(n - 2).into_owned()
 }
 
 /// The point between `a` and `b` at which `test` passes 0, if it does.
@@ -67,14 +65,14 @@ fn root(
     b: &TwoParameterPoint,
     test: &Test,
 ) -> Option<TwoParameterPoint> {
-    let chord = minus(&b.x, &a.x);
+    let chord = &b.x - &a.x;
     let at = |s| {
-        let point = system.correct(&ahead(&a.x, s, &chord), &a.tangent)?;
+        let point = system.correct(&(&a.x + s * &chord), &a.tangent)?;
         let value = test(&point);
         Some((point, value))
     };
     false_position([test(a), test(b)], at, |last, point, _| {
-        last.is_some_and(|last| length(&minus(&last.x, &point.x)) < 0.1 * TOLERANCE)
+        last.is_some_and(|last| (&last.x - &point.x).norm() < 0.1 * TOLERANCE)
     })
 }
 

@@ -24,6 +24,7 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 
+use nalgebra::DVector;
 use serde::Serialize;
 use shared::model::params::RigParams;
 
@@ -126,9 +127,9 @@ pub struct TwoParameterPoint {
     /// What second condition it has.
     pub mark: Option<Codimension>,
     /// The unknowns: those of the orbit, then the places of both parameters.
-    x: Vec<f64>,
+    x: DVector<f64>,
     /// The curve's direction, of length 1.
-    tangent: Vec<f64>,
+    tangent: DVector<f64>,
     /// det(I + M), det(I − M), and the slope of det(λI − M) at λ = 1.
     tests: [f64; 3],
     /// Of a graze: how the surface is left, −δ̈ over A0 Ω².
@@ -148,7 +149,7 @@ impl TwoParameterPoint {
     }
 
     fn turned(mut self) -> Self {
-        self.tangent.iter_mut().for_each(|t| *t = -*t);
+        self.tangent.neg_mut();
         self
     }
 }
@@ -177,24 +178,4 @@ impl TwoParameterCurve {
     pub fn marks(&self) -> impl Iterator<Item = (&TwoParameterPoint, Codimension)> {
         self.points.iter().filter_map(|p| Some((p, p.mark?)))
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-/// `from` + `step` × `direction`.
-fn ahead(from: &[f64], step: f64, direction: &[f64]) -> Vec<f64> {
-    from.iter()
-        .zip(direction)
-        .map(|(x, d)| x + step * d)
-        .collect()
-}
-
-fn length(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
 }

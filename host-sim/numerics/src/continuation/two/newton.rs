@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::TwoParameterPoint;
 use super::conditions::System;
-use super::{TwoParameterPoint, dot, length, minus};
 
 /// Newton steps of one correction.
 const ITERATIONS: usize = 10;
@@ -17,76 +17,64 @@ const DIFFERENCE: f64 = 1e-7;
 
 impl System {
     /// The point in the plane through `guess` normal to `direction`; its tangent points along `direction`.
-    pub fn correct(&self, guess: &[f64], direction: &[f64]) -> Option<TwoParameterPoint> {
+    pub fn correct(
+        &self,
+        guess: &DVector<f64>,
+        direction: &DVector<f64>,
+    ) -> Option<TwoParameterPoint> {
         let n = guess.len();
-        let mut x = guess.to_vec();
+        let mut x = guess.clone();
         for _ in 0..ITERATIONS {
-            let miss = self.miss(&x)?;
-            let system = self.bordered(&x, &miss, direction)?;
-            let mut right = DVector::from_iterator(n, miss.iter().map(|m| -m).chain([0.0]));
-            right[n - 1] = -dot(direction, &minus(&x, guess));
-            let lu = system.lu();
-            let step = lu.solve(&right)?;
+            let miss = self.miss(x.as_slice())?;
+            let lu = self.bordered(&x, &miss, direction)?.lu();
+            let off = direction.dot(&(&x - guess));
+            let right = miss.iter().map(|m| -m).chain([-off]);
+            let step = lu.solve(&DVector::from_iterator(n, right))?;
             let far = step.norm();
             if !far.is_finite() {
                 return None;
             }
-            x.iter_mut().zip(step.iter()).for_each(|(x, s)| *x += s);
-            let moved = length(&minus(&x, guess));
+            x += &step;
+            let moved = (&x - guess).norm();
             if moved.is_nan() || moved > FARTHEST {
                 return None;
             }
             if far < STILL {
                 let mut along = DVector::zeros(n);
                 along[n - 1] = 1.0;
-                let tangent = lu.solve(&along)?.normalize();
-                return self.point(x, tangent.iter().copied().collect());
+                return self.point(x, lu.solve(&along)?.normalize());
             }
         }
         None
     }
 
     /// The derivatives of the equations by the unknowns, and the direction as the last row.
-    fn bordered(&self, x: &[f64], miss: &[f64], direction: &[f64]) -> Option<DMatrix<f64>> {
+    fn bordered(
+        &self,
+        x: &DVector<f64>,
+        miss: &[f64],
+        direction: &DVector<f64>,
+    ) -> Option<DMatrix<f64>> {
         let n = x.len();
-        let mut system = DMatrix::zeros(n, n);
-        let columns: Option<Vec<Vec<f64>>> = (0..n)
-            .map(|j| {
-                let mut beside = x.to_vec();
-                beside[j] += DIFFERENCE;
-                // At an end of what a parameter may be, the other side.
-                let side = match self.miss(&beside) {
-                    Some(there) => Some((there, DIFFERENCE)),
-                    None => {
-                        beside[j] = x[j] - DIFFERENCE;
-                        self.miss(&beside).map(|there| (there, -DIFFERENCE))
-                    }
-                };
-                let (there, step) = side?;
-                Some(
-                    there
-                        .iter()
-                        .zip(miss)
-                        .map(|(t, m)| (t - m) / step)
-                        .collect(),
-                )
-            })
-            .collect();
-        for (j, column) in columns?.into_iter().enumerate() {
-            for (i, entry) in column.into_iter().enumerate() {
-                system[(i, j)] = entry;
-            }
+        let mut columns = Vec::with_capacity(n * n);
+        for j in 0..n {
+            let there = |by: f64| {
+                let mut beside = x.clone();
+                beside[j] += by;
+                Some((self.miss(beside.as_slice())?, by))
+            };
+            // At an end of what a parameter may be, the other side.
+            let (there, step) = there(DIFFERENCE).or_else(|| there(-DIFFERENCE))?;
+            columns.extend(there.iter().zip(miss).map(|(t, m)| (t - m) / step));
+            columns.push(direction[j]);
         }
-        for (j, d) in direction.iter().enumerate() {
-            system[(n - 1, j)] = *d;
-        }
-        Some(system)
+        Some(DMatrix::from_vec(n, n, columns))
     }
 
     /// The point at fixed values of one of the parameters, near `guess`.
-    pub fn correct_at(&self, guess: &[f64], parameter: usize) -> Option<TwoParameterPoint> {
+    pub fn correct_at(&self, guess: &DVector<f64>, parameter: usize) -> Option<TwoParameterPoint> {
         let n = guess.len();
-        let mut direction = vec![0.0; n];
+        let mut direction = DVector::zeros(n);
         direction[n - 2 + parameter] = 1.0;
         self.correct(guess, &direction)
     }

@@ -1,14 +1,16 @@
 //! Special points of one-parameter curves, at some values of the second parameter: a curve begins at each.
 
+use nalgebra::DVector;
+
 use super::conditions::System;
-use super::graze::{Windows, carried};
+use super::graze::Windows;
 use super::plane::{Plane, Scale, Varied};
 use super::{Condition, TwoParameterPoint};
 use crate::continuation::diagram::{OrbitsRequest, diagram};
 use crate::continuation::family::Node;
 use crate::continuation::{Along, FamilyDrive, OrbitDiagram, Special};
 use crate::error::Error;
-use crate::orbit::Orbit;
+use crate::orbit::{Orbit, carried};
 use crate::progress::Progress;
 use crate::reference::LocatedContact;
 
@@ -126,7 +128,7 @@ fn seed(
     let (mut x, lost) = if condition == Condition::Grazing {
         let (touch, lost) = touch(orbit, special)?;
         system.windows = windows(orbit, touch, lost);
-        let there = carried(&params, frequency_hz, orbit.at(), touch)?;
+        let there = carried(&params, frequency_hz, orbit.at(), (0.0, touch), &mut ())?;
         let mut x = vec![touch.rem_euclid(1.0)];
         if system.recoils() {
             x.extend([there[2] / system.units[2], there[3] / system.units[3]]);
@@ -136,7 +138,7 @@ fn seed(
         (system.section_unknowns(orbit.at()), false)
     };
     x.extend(places);
-    let point = system.correct_at(&x, 1)?;
+    let point = system.correct_at(&DVector::from_vec(x), 1)?;
     let impacts = orbit.impacts - u16::from(lost);
     (point.impacts == impacts).then_some(Seed { system, point })
 }

@@ -6,7 +6,7 @@ use super::{Codimension, Condition, Plane, TwoParameterCurve, TwoParameterPoint}
 use crate::continuation::CurveEnd;
 use crate::continuation::table::motion_of;
 use crate::row::CartModel;
-use crate::row::tidy;
+use crate::row::{extent, number, tidy};
 
 /// A point of a curve. Units are in the names, or in the name of the parameter beside a value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -106,10 +106,8 @@ impl CurvesAnswer {
     pub fn new(name: &str, plane: &Plane, curves: &[TwoParameterCurve]) -> Self {
         let names: Vec<String> = (curves.iter().enumerate())
             .map(|(i, curve)| {
-                let before = curves[..i]
-                    .iter()
-                    .filter(|c| c.condition == curve.condition);
-                format!("{} {}", curve.condition.name(), before.count() + 1)
+                let number = number(curves, i, |c| c.condition);
+                format!("{} {number}", curve.condition.name())
             })
             .collect();
         let [first, second] = plane.dimensions.map(|d| d.varied.name());
@@ -140,11 +138,7 @@ impl CurvesAnswer {
 }
 
 fn curve_row(curve: &TwoParameterCurve, name: &str) -> TwoParameterCurveRow {
-    let range = |k: usize| {
-        let values = curve.points.iter().map(|p| p.values[k]);
-        let low = values.clone().fold(f64::INFINITY, f64::min);
-        [low, values.fold(f64::NEG_INFINITY, f64::max)].map(tidy)
-    };
+    let range = |k: usize| extent(curve.points.iter().map(|p| p.values[k])).map(tidy);
     TwoParameterCurveRow {
         curve: name.to_owned(),
         condition: curve.condition,

@@ -81,17 +81,19 @@ type Change = (&'static str, &'static str, fn(&mut DrillCase, f64));
 const BY: f64 = 0.1;
 
 const CHANGES: [Change; 10] = [
-    ("threshold_n", "1 %", |c, s| c.ground.threshold *= 1.0 + s),
+    ("threshold_n", "1 %", |c, s| {
+        c.setting.ground.threshold *= 1.0 + s
+    }),
     (
         "ground_stiffness_n_per_m (with its damping)",
         "1 %",
         |c, s| {
-            c.ground.stiffness *= 1.0 + s;
-            c.ground.damping *= 1.0 + s;
+            c.setting.ground.stiffness *= 1.0 + s;
+            c.setting.ground.damping *= 1.0 + s;
         },
     ),
     ("ground_damping_n_s_per_m", "1 %", |c, s| {
-        c.ground.damping *= 1.0 + s;
+        c.setting.ground.damping *= 1.0 + s;
     }),
     ("natural_frequency_hz", "1 %", |c, s| {
         c.params = c.params.with_natural_frequency_scaled(1.0 + s);
@@ -111,7 +113,7 @@ const CHANGES: [Change; 10] = [
         }
     }),
     ("bit_mass_kg", "1 %", |c, s| {
-        if let Some(bit) = &mut c.bit {
+        if let Some(bit) = &mut c.setting.bit {
             bit.mass *= 1.0 + s;
         }
     }),
@@ -145,7 +147,7 @@ pub fn rate_sensitivity(
         if of_recoil.contains(parameter) && !case.params.cart.recoils() {
             return None;
         }
-        if *parameter == "bit_mass_kg" && case.bit.is_none() {
+        if *parameter == "bit_mass_kg" && case.setting.bit.is_none() {
             return None;
         }
         let rate = |by: f64| {

@@ -1,11 +1,9 @@
 //! The nominal 1/1 on ground that gives way, followed over frequency.
 
-use shared::model::bit::Bit;
 use shared::model::params::RigParams;
-use shared::model::slider::Slider;
 
 use super::super::orbit::{DrillOrbit, shoot};
-use super::super::run::{observe, settle};
+use super::super::run::{DrillSetting, observe, settle};
 use super::observe::on;
 use crate::branch::{Branch, BranchEdge, BranchEnd, Case};
 use crate::interpolation::polynomial;
@@ -29,16 +27,14 @@ const RECORDED: u32 = 48;
 pub struct DrillCase {
     /// The rig's parameters.
     pub params: RigParams,
-    /// The ground, which gives way.
-    pub ground: Slider<f64>,
-    /// The bit between them.
-    pub bit: Option<Bit<f64>>,
+    /// Ground and bit; the cart follows the ground.
+    pub setting: DrillSetting,
 }
 
 impl DrillCase {
     /// The period-one orbit near `guess` at `hz`.
     pub fn orbit(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
-        shoot(&self.params, &self.ground, self.bit.as_ref(), hz, guess)
+        shoot(&self.params, &self.setting, hz, guess)
     }
 }
 
@@ -80,11 +76,8 @@ fn follow_to(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrb
     while step > END * natural_hz {
         let to_go = (limit_hz - last.frequency_hz).abs();
         if to_go == 0.0 {
-            let edge = BranchEdge {
-                frequency_hz: limit_hz,
-                end: BranchEnd::SearchLimit,
-            };
-            return (orbits, edge);
+            let (frequency_hz, end) = (limit_hz, BranchEnd::SearchLimit);
+            return (orbits, BranchEdge { frequency_hz, end });
         }
         let hz = if step >= to_go {
             limit_hz
@@ -102,11 +95,8 @@ fn follow_to(case: &DrillCase, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrb
         }
     }
     let end = end_of(case, &last, last.frequency_hz + 2.0 * ahead * step);
-    let edge = BranchEdge {
-        frequency_hz: last.frequency_hz,
-        end,
-    };
-    (orbits, edge)
+    let frequency_hz = last.frequency_hz;
+    (orbits, BranchEdge { frequency_hz, end })
 }
 
 /// How the branch ends at its last orbit, seen from `beyond_hz`.

@@ -5,6 +5,7 @@ use shared::model::params::RigParams;
 use shared::model::slider::Slider;
 
 use super::super::orbit::DrillOrbit;
+use super::super::run::DrillSetting;
 use super::super::search::GroundUncertainty;
 use super::branch::DrillCase;
 use crate::branch::{Branch, Case};
@@ -33,7 +34,7 @@ pub fn with_ground(rig: Uncertainty, ground: GroundUncertainty) -> Uncertainty {
 
 /// `member` of an uncertainty from [`with_ground`] at a `share` of its deviations. The dashpot goes with the spring.
 pub fn apply(nominal: &DrillCase, member: &Member, share: f64) -> DrillCase {
-    let ground = nominal.ground;
+    let ground = nominal.setting.ground;
     // Pf and k ride where a contact's stiffness and damping are.
     let carrier = RigParams {
         contact: Law::SpringDashpot {
@@ -51,12 +52,14 @@ pub fn apply(nominal: &DrillCase, member: &Member, share: f64) -> DrillCase {
             contact: nominal.params.contact,
             ..moved
         },
-        ground: Slider {
-            stiffness,
-            damping: ground.damping * stiffness / ground.stiffness,
-            threshold: damping,
+        setting: DrillSetting {
+            ground: Slider {
+                stiffness,
+                damping: ground.damping * stiffness / ground.stiffness,
+                threshold: damping,
+            },
+            ..nominal.setting
         },
-        bit: nominal.bit,
     }
 }
 

@@ -19,7 +19,9 @@ use self::answer::{OnGround, rate_sensitivity};
 use self::branch::{DrillCase, follow};
 use self::members::with_ground;
 use self::observe::seed;
+use super::blow::Feed;
 use super::orbit::DrillOrbit;
+use super::run::DrillSetting;
 use super::search::GroundUncertainty;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
@@ -86,8 +88,7 @@ pub fn pick_rop(
     let (uncertainty, ground) = (request.uncertainty, request.ground);
     let case = DrillCase {
         params: rig.params,
-        ground,
-        bit: request.bit,
+        setting: DrillSetting::new(ground, request.bit, Feed::Cart),
     };
     let asked = PickRequest {
         springs: Springs::default(),
@@ -165,9 +166,10 @@ impl PickCase for DrillCase {
 
     fn check(&self) -> Result<(), Error> {
         self.params.check()?;
-        self.ground.check()?;
-        if let Some(bit) = &self.bit {
-            bit.check(&self.ground)?;
+        let DrillSetting { ground, bit, .. } = &self.setting;
+        ground.check()?;
+        if let Some(bit) = bit {
+            bit.check(ground)?;
         }
         Ok(())
     }

@@ -3,10 +3,9 @@
 use super::branch::DrillCase;
 use super::members::apply;
 use crate::branch::Branch;
-use crate::drill::blow::Feed;
 use crate::drill::march::Drill;
 use crate::drill::orbit::DrillOrbit;
-use crate::drill::run::{DrillPlan, DrillSetting, grid, observe, run};
+use crate::drill::run::{DrillPlan, grid, observe, run};
 use crate::drill::search::Among;
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
@@ -46,35 +45,32 @@ pub fn seed(
     let natural_hz = rig.params.natural_frequency_hz();
     let (from, to, count) = SEED_RATIOS;
     let frequencies = spread(from * natural_hz, to * natural_hz, count);
-    let setting = setting(case);
     let gap_mm = [tidy(rig.params.gap_m * 1e3)];
-    let rows = grid(rig, &setting, &gap_mm, &frequencies, SEED_PLAN, progress)?;
+    let rows = grid(
+        rig,
+        &case.setting,
+        &gap_mm,
+        &frequencies,
+        SEED_PLAN,
+        progress,
+    )?;
     if Among::All.best(&rows).is_none() {
         return Err(Error::NoProgress {
-            threshold_n: case.ground.threshold,
+            threshold_n: case.setting.ground.threshold,
         });
     }
     let Some(best) = Among::OneOne.best(&rows) else {
         return Ok(None);
     };
     let hz = rows[best].frequency_hz;
-    let seen = run(&case.params, &setting, hz, SEED_PLAN)?;
+    let seen = run(&case.params, &case.setting, hz, SEED_PLAN)?;
     let found = case.orbit(hz, seen.guess());
     Ok(found.filter(DrillOrbit::is_stable_one_one))
 }
 
-fn setting(case: &DrillCase) -> DrillSetting {
-    DrillSetting {
-        ground: case.ground,
-        bit: case.bit,
-        feed: Feed::Cart,
-    }
-}
-
 /// The hammer at rest.
 fn at_rest(case: &DrillCase, hz: f64) -> Result<Drill<f64>, Error> {
-    let (ground, bit) = (&case.ground, case.bit.as_ref());
-    Ok(Drill::through(&case.params, ground, bit, Feed::Cart, hz)?)
+    Ok(Drill::through(&case.params, &case.setting, hz)?)
 }
 
 /// The hammer on its section point.
@@ -116,7 +112,7 @@ pub fn runs(
     let damping_j = drill.energies().damping / f64::from(OBSERVED);
     let lost = MotionError::Lost { frequency_hz: hz };
     let blow = *on_orbit.blows.last().ok_or(lost)?;
-    let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
+    let at_rest = |case: &DrillCase, hz: f64| run(&case.params, &case.setting, hz, SEED_PLAN);
     let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
     let reaching = parallel::map(&corners, |corner| {
         let there = apply(case, corner, 1.0);

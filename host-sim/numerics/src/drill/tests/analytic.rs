@@ -1,7 +1,8 @@
 //! The published oscillator once more, by another method: each phase has a solution in closed form, and its end is found
 //! by bisection on it. Nothing of the integrator is used.
 
-use crate::drill::published::{Drifting, DriftingPlan, PERIOD_TWO};
+use crate::drill::DrillPlan;
+use crate::drill::published::{Drifting, PERIOD_TWO};
 
 /// Mass seen from the front, its rate, compression of the top; drift beside it.
 #[derive(Clone, Copy)]
@@ -181,7 +182,7 @@ fn the_integrator_and_the_closed_forms_drift_alike() {
     for motion in stable {
         let settled = progress(&motion, 416);
         let mean = settled[400..].iter().sum::<f64>() / 16.0;
-        let plan = DriftingPlan {
+        let plan = DrillPlan {
             settle: 400,
             recorded: 16,
         };
@@ -205,7 +206,7 @@ fn the_diagram_is_that_of_the_closed_forms() {
             b: 0.03 + 0.02 * f64::from(step),
             ..PERIOD_TWO
         };
-        let plan = DriftingPlan {
+        let plan = DrillPlan {
             settle: 400,
             // A whole number of 1, 2, 3, 4, 6 and 8 periods.
             recorded: 48,

@@ -44,11 +44,23 @@ fn a_light_bit_is_softer_ground() {
         feed: Feed::Cart,
     };
     let seen = run(&WIRES, &setting, HZ, PLAN).unwrap();
-    let massless = orbit::shoot(&WIRES, &soft, None, HZ, seen.guess()).unwrap();
+    let massless = orbit::shoot(
+        &WIRES,
+        &DrillSetting::new(soft, None, Feed::Cart),
+        HZ,
+        seen.guess(),
+    )
+    .unwrap();
     let mut last = None;
     for mass in [0.04, 0.02, 0.01, 0.005] {
         let bit = bit(mass);
-        let found = orbit::shoot(&WIRES, &ground, Some(&bit), HZ, massless.section).unwrap();
+        let found = orbit::shoot(
+            &WIRES,
+            &DrillSetting::new(ground, Some(bit), Feed::Cart),
+            HZ,
+            massless.section,
+        )
+        .unwrap();
         let apart = found.progress_m / massless.progress_m - 1.0;
         println!("{mass} kg: {apart}");
         if let Some(last) = last {
@@ -140,7 +152,9 @@ fn energy_is_accounted_for() {
         let bit = bit(mass);
         let hz = ratio * params.natural_frequency_hz();
         let feed = Feed::Ground;
-        let mut drill = Drill::<f64>::through(&params, &rock(25.0), Some(&bit), feed, hz).unwrap();
+        let mut drill =
+            Drill::<f64>::through(&params, &DrillSetting::new(rock(25.0), Some(bit), feed), hz)
+                .unwrap();
         let mut blows = Vec::new();
         for _ in 0..10 {
             drill.run_period(&mut blows);
@@ -202,10 +216,21 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
         feed: Feed::Cart,
     };
     let seen = run(&WIRES, &setting, HZ, PLAN).unwrap();
-    let found = orbit::shoot(&WIRES, &ground, Some(&bit), HZ, seen.guess()).unwrap();
+    let found = orbit::shoot(
+        &WIRES,
+        &DrillSetting::new(ground, Some(bit), Feed::Cart),
+        HZ,
+        seen.guess(),
+    )
+    .unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
-    let drill = Drill::<f64>::through(&WIRES, &ground, Some(&bit), Feed::Cart, HZ).unwrap();
+    let drill = Drill::<f64>::through(
+        &WIRES,
+        &DrillSetting::new(ground, Some(bit), Feed::Cart),
+        HZ,
+    )
+    .unwrap();
     let units = [drill.units().0, drill.units().1];
     let image = |by: [f64; 2], deeper: f64| {
         let mut drill = drill.clone();

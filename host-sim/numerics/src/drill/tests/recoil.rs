@@ -5,6 +5,7 @@ use shared::model::params::{BEAM_170, RigParams, SupportParams, Torque, WIRES};
 use shared::model::rig::Rig;
 
 use super::{at, rock};
+use crate::drill::DrillSetting;
 use crate::drill::blow::Feed;
 use crate::drill::march::Drill;
 use crate::drill::orbit;
@@ -24,10 +25,17 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         let params = recoiling(params);
         let seen = at(&params, 1e6, Feed::Cart, hz / params.natural_frequency_hz());
         let rigid = shoot_at(&params, hz, seen.guess(), 1).unwrap();
-        let here = orbit::shoot(&params, &rock(1e6), None, hz, rigid.at()).unwrap();
-        let units = Drill::<f64>::through(&params, &rock(1e6), None, Feed::Cart, hz)
-            .unwrap()
-            .all_units();
+        let here = orbit::shoot(
+            &params,
+            &DrillSetting::new(rock(1e6), None, Feed::Cart),
+            hz,
+            rigid.at(),
+        )
+        .unwrap();
+        let units =
+            Drill::<f64>::through(&params, &DrillSetting::new(rock(1e6), None, Feed::Cart), hz)
+                .unwrap()
+                .all_units();
         for (i, unit) in units.iter().enumerate() {
             let apart = (here.section[i] - rigid.at()[i]).abs();
             assert!(apart < 1e-8 * unit, "{hz} {i}: {apart}");
@@ -91,8 +99,12 @@ fn energy_is_accounted_for() {
                     + params.mass_kg * speed * at.rate
                     + 0.5 * both_kg * speed * speed
             };
-            let mut drill =
-                Drill::<f64>::through(&params, &rock(25.0), None, Feed::Ground, hz).unwrap();
+            let mut drill = Drill::<f64>::through(
+                &params,
+                &DrillSetting::new(rock(25.0), None, Feed::Ground),
+                hz,
+            )
+            .unwrap();
             let mut blows = Vec::new();
             for _ in 0..40 {
                 drill.run_period(&mut blows);
@@ -119,10 +131,17 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
     let (params, ground) = (recoiling(WIRES), rock(25.0));
     let hz = 2.04 * 1.82;
     let seen = at(&params, 25.0, Feed::Cart, 2.04);
-    let found = orbit::shoot(&params, &ground, None, hz, seen.guess()).unwrap();
+    let found = orbit::shoot(
+        &params,
+        &DrillSetting::new(ground, None, Feed::Cart),
+        hz,
+        seen.guess(),
+    )
+    .unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
-    let drill = Drill::<f64>::through(&params, &ground, None, Feed::Cart, hz).unwrap();
+    let drill =
+        Drill::<f64>::through(&params, &DrillSetting::new(ground, None, Feed::Cart), hz).unwrap();
     // The cart's ringing adds the errors of many steps, which differences magnify.
     let drill = drill.with_tolerance(1e-14);
     let units = drill.all_units();

@@ -10,7 +10,6 @@ mod problem;
 
 use std::ops::Range;
 
-use nalgebra::DMatrix;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
@@ -57,7 +56,7 @@ pub struct ForceShape<'a> {
     /// The kind of filter.
     pub model: FilterKind,
     ringing: Option<RingingGuess>,
-    windows: Vec<Range<usize>>,
+    pub windows: Vec<Range<usize>>,
     /// The deviation of a sample, N.
     pub deviation_n: f64,
 }
@@ -66,6 +65,13 @@ pub struct ForceShape<'a> {
 pub struct Contacts {
     rig: Rig<f64>,
     courses: Vec<Course>,
+}
+
+impl Contacts {
+    /// The `i`-th contact, if there are so many.
+    pub fn contact(&self, i: usize) -> Option<LocatedContact> {
+        self.courses.get(i).map(|course| course.contact)
+    }
 }
 
 impl<'a> ForceShape<'a> {
@@ -106,11 +112,6 @@ impl<'a> ForceShape<'a> {
     /// How many numbers are compared.
     pub fn data(&self) -> usize {
         self.windows.iter().map(Range::len).sum()
-    }
-
-    /// Samples of each impact.
-    pub fn windows(&self) -> &[Range<usize>] {
-        &self.windows
     }
 
     fn laws(&self) -> usize {
@@ -212,18 +213,16 @@ impl<'a> ForceShape<'a> {
         self.measured.impacts[i].at_s + x[self.first_onset() + i] * self.measured.sample_s
     }
 
-    fn release_deviation(&self) -> f64 {
+    /// The share by which the release may be off, as stated.
+    pub fn release_deviation(&self) -> f64 {
         if self.settings.seek_release {
             return 1e-9;
         }
         0.01 * self.settings.release_height_percent.max(1e-7)
     }
 
-    fn clock_deviation(&self) -> f64 {
-        0.01 * self.settings.clock_percent.max(1e-7)
-    }
-
-    fn gain_deviation(&self) -> f64 {
+    /// The share by which the gain may be off, as stated.
+    pub fn gain_deviation(&self) -> f64 {
         0.01 * self.settings.gain_percent.max(1e-7)
     }
 
@@ -383,26 +382,6 @@ impl<'a> ForceShape<'a> {
                 .filter_map(one)
                 .collect(),
         )
-    }
-
-    /// The deviations of gain and release that were stated, as shares.
-    pub fn stated_deviations(&self) -> (f64, f64) {
-        (self.gain_deviation(), self.release_deviation())
-    }
-
-    /// The range of a coordinate.
-    pub fn limits(&self, x: &[f64], k: usize) -> (f64, f64) {
-        least_squares::Problem::range(self, x, k)
-    }
-
-    /// The `i`-th contact of the model, if it has so many.
-    pub fn contact(contacts: &Contacts, i: usize) -> Option<LocatedContact> {
-        contacts.courses.get(i).map(|course| course.contact)
-    }
-
-    /// The covariance of all coordinates.
-    pub fn covariance(&self, x: &[f64]) -> Option<DMatrix<f64>> {
-        least_squares::covariance(self, x)
     }
 }
 

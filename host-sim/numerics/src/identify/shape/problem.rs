@@ -20,7 +20,11 @@ impl ForceShape<'_> {
             (x[laws + RELEASE], 1.0, self.release_deviation()),
             (self.gain(x), 1.0, self.gain_deviation()),
             (x[laws + OFFSET], 0.0, zero),
-            (x[laws + CLOCK], 1.0, self.clock_deviation()),
+            (
+                x[laws + CLOCK],
+                1.0,
+                0.01 * self.settings.clock_percent.max(1e-7),
+            ),
             (shape, usual, deviation),
         ]
     }
@@ -43,7 +47,7 @@ impl ForceShape<'_> {
     fn nudge(&self, x: &[f64], k: usize) -> f64 {
         let laws = self.laws();
         let size = if k < laws {
-            1e-5 * self.unknowns.steps()[k].abs().max(0.1)
+            1e-5 * self.unknowns.list()[k].step.abs().max(0.1)
         } else if k >= self.first_onset() {
             1e-4
         } else {

@@ -2,6 +2,7 @@
 //! and the end of each phase by bisection.
 
 use super::bit;
+use crate::drill::DrillSetting;
 use crate::drill::blow::Feed;
 use crate::drill::march::Drill;
 use crate::drill::tests::rock;
@@ -177,7 +178,9 @@ fn another_integration_of_the_same_equations_digs_the_same() {
             ..BEAM_170
         };
         let feed = Feed::Speed(0.0);
-        let mut drill = Drill::<f64>::through(&params, &rock(PF), Some(&bit), feed, hz).unwrap();
+        let mut drill =
+            Drill::<f64>::through(&params, &DrillSetting::new(rock(PF), Some(bit), feed), hz)
+                .unwrap();
         for _ in 0..6 {
             drill.run_period(&mut Vec::new());
         }
