@@ -26,7 +26,7 @@ def test_the_examples_of_the_page_run_one_after_the_other(capsys):
     assert fields and all(field in names["answer"] for field in fields)
 
 
-@pytest.mark.parametrize("page", ["pick", "simulate"])
+@pytest.mark.parametrize("page", ["basins", "bifurcation", "orbits", "pick", "simulate"])
 def test_an_example_beside_the_command_line_runs(page):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / f"docs/{page}.md").read_text(), re.DOTALL)
     assert blocks
