@@ -44,7 +44,7 @@ fn limit_and_force_wanted_are_of_the_true_peak_whatever_the_surface_rings_like()
     cases.par_iter().for_each(|((rig, force_n), ringing)| {
         let sensors = rung(*ringing);
         let asked = [limited(*force_n), format!("[aim]\nforce_n = {force_n:?}\n")];
-        for (asked, (least, most)) in asked.iter().zip([(0.96, 1.01), (0.98, 1.025)]) {
+        for (asked, (least, most)) in asked.iter().zip([(0.95, 1.0), (0.98, 1.025)]) {
             let truth = truth_of(rig, 60.0, &format!("{sensors}{asked}{}", start()));
             assert_eq!((faults(&truth), truth.end), (vec![], State::Hold));
             let mean = late_mean_n(&truth) / force_n;
@@ -147,7 +147,7 @@ fn a_ringing_that_is_lost_in_the_noise_trips_nothing_and_passes_no_limit_by_much
         assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{case}");
         let mean = late_mean_n(&truth) / limit_n;
         let largest = truth.force_n / limit_n;
-        assert!(mean > 0.85 && largest < 1.08, "{case}: {mean} {largest}");
+        assert!(mean > 0.83 && largest < 1.04, "{case}: {mean} {largest}");
     });
 }
 
