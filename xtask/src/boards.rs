@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, de::Error};
 
 use crate::{JobResult, command};
 
@@ -45,7 +45,10 @@ impl BuiltBoard {
     }
 
     fn parse(name: &str, text: &str) -> Result<Self, toml::de::Error> {
-        let board = toml::from_str(text)?;
+        let board: Self = toml::from_str(text)?;
+        if board.programs.is_empty() {
+            return Err(Error::custom("`programs` is empty"));
+        }
         let name = name.into();
         Ok(Self { name, ..board })
     }
@@ -133,6 +136,7 @@ mod tests {
         for (without, named) in [
             ("name = \"A\"\n", "`name`"),
             ("programs = [\"a\"]\n", "`programs`"),
+            ("\"a\"", "`programs`"),
             ("flip-link = true\n", "`flip-link`"),
         ] {
             let error = BuiltBoard::parse("a", &good.replace(without, "")).unwrap_err();
