@@ -9,9 +9,13 @@ use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 
 /// Groups in a window.
 const GROUPS: usize = 64;
-/// Parts of the first window at whose end it is looked at, too: what runs on moves far more than [`MOVES`] and is found
-/// early, though less than a window does not tell small motions.
-const EARLY: [usize; 2] = [GROUPS / 4, 3 * GROUPS / 8];
+/// Parts of the first window at whose end it is looked at, too.
+const EARLY: [usize; 3] = [GROUPS / 4, 3 * GROUPS / 8, GROUPS / 2];
+/// What is left then of a cart that still coasts on the slowest and least damped of suspensions, in units of A0, per Hz of natural frequency
+/// and 1 Hz more: thrown at twice the natural frequency, aside by A0, 0.75 s ago. (0.037 at once, less on average.)
+const COASTS: f32 = 0.03;
+/// A motion that passes its middle more often than twice this frequency, Hz, is faster than any that still coasts.
+const FASTEST_COAST_HZ: f32 = 3.0;
 /// Time after the drive has been on in which the cart may come to rest, s: on a shaker's suspension (of a natural frequency
 /// from 2 Hz with a damping ratio from 0.35), and with a motor that runs out.
 const GRACE_S: (f32, f32) = (0.75, 5.5);
@@ -34,6 +38,9 @@ pub(super) struct OffWatch {
     /// Ticks in a group.
     group: u32,
     largest_m: f32,
+    /// What may be left of a cart that coasts, m, and how often one passes its middle in a group, at most.
+    coasts_m: f32,
+    coast_passages: f32,
     /// No reading counts for more than this, m: it is beyond the rails.
     reach_m: f32,
     /// Ticks of grace, and those of it that are left.
@@ -74,14 +81,18 @@ impl OffWatch {
         };
         let rate_hz = TICK_RATE_HZ as f32;
         let grace = (grace_s * rate_hz) as u32;
+        let group_s = window_s / GROUPS as f32;
+        let a0_m = settings.rig.amplitude_m as f32;
         Self {
-            group: (window_s * rate_hz / GROUPS as f32) as u32,
-            largest_m: MOVES * settings.rig.amplitude_m as f32,
+            group: (group_s * rate_hz) as u32,
+            largest_m: MOVES * a0_m,
+            coasts_m: COASTS * (natural_hz + 1.0) * a0_m,
+            coast_passages: 2.0 * FASTEST_COAST_HZ * group_s,
             reach_m: 2.0 * settings.trips.cart_m,
             full_grace: grace,
             grace,
             mass_share: (settings.rig.mass_kg / settings.rig.cart_mass_kg) as f32,
-            free_passages: 2.0 * FREE * natural_hz * window_s / GROUPS as f32,
+            free_passages: 2.0 * FREE * natural_hz * group_s,
             grouped: 0,
             groups: 0,
             cart: Spread::NEW,
@@ -143,9 +154,13 @@ impl OffWatch {
             return None;
         }
         let (amplitude_m, shaken_m, passages) = self.motion();
-        // A part of the window must show so much more.
-        let certain = GROUPS as f32 / self.groups as f32;
-        let far = amplitude_m > certain * self.largest_m + shaken_m;
+        let coasts_m = if whole || passages as f32 > self.coast_passages * self.groups as f32 + 1.0
+        {
+            0.0
+        } else {
+            self.coasts_m
+        };
+        let far = amplitude_m > self.largest_m + coasts_m + shaken_m;
         let moves = far && passages >= TO_AND_FRO;
         if whole {
             self.begin_window();

@@ -14,8 +14,9 @@ const MAX_WINDOWS: u8 = 20;
 const HALF_PERIODS: u8 = 4;
 /// A hammer whose displacement varies less than this share of A0 (r.m.s.) is at rest.
 const AT_REST: f32 = 0.25;
-/// Largest rest displacement of the hammer taken for a sensor's offset, m.
+/// Largest rest displacement of the hammer taken for a sensor's offset, m, and what a tilt of 1.5° moves the hammer, m/s² over ω².
 const MAX_REST_M: f32 = 1.5e-3;
+const TILTED_M_PER_S2: f32 = 0.257;
 /// Largest offset of the force sensor, as a share of the force limit.
 const MAX_FORCE_OFFSET: f32 = 0.12;
 
@@ -56,6 +57,7 @@ pub struct SelfTest {
     quiet_m2: f32,
     touch_n: f32,
     max_force_n: f32,
+    max_rest_m: f32,
     ticks: u32,
     windows: u8,
     window: Window,
@@ -67,11 +69,13 @@ impl SelfTest {
     pub fn new(settings: &Settings) -> Self {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).max(0.1);
         let at_rest_m = AT_REST * settings.rig.amplitude_m as f32;
+        let omega = core::f32::consts::TAU * natural_hz;
         Self {
             half_period: (0.5 * TICK_RATE_HZ as f32 / natural_hz) as u32,
             quiet_m2: at_rest_m * at_rest_m,
             touch_n: settings.detection.on_n,
             max_force_n: MAX_FORCE_OFFSET * settings.limits.force_n,
+            max_rest_m: MAX_REST_M + TILTED_M_PER_S2 / (omega * omega),
             ticks: 0,
             windows: 0,
             window: Window::default(),
@@ -149,7 +153,7 @@ impl SelfTest {
             return Err(out_of_family(Origin::Force, zero.force_n));
         }
         match zero.relative_m {
-            Some(rest_m) if libm::fabsf(rest_m) > MAX_REST_M => {
+            Some(rest_m) if libm::fabsf(rest_m) > self.max_rest_m => {
                 Err(out_of_family(Origin::Hammer, rest_m))
             }
             _ => Ok(zero),
@@ -290,12 +294,12 @@ mod tests {
         });
         assert_eq!(origin(force), Origin::Force);
         let hammer = run(|_| Sample {
-            hammer_m: 1.6e-3,
+            hammer_m: 3.6e-3,
             ..Sample::default()
         });
         assert_eq!(origin(hammer), Origin::Hammer);
         let near = run(|_| Sample {
-            hammer_m: 1.4e-3,
+            hammer_m: 3.3e-3,
             ..Sample::default()
         });
         assert!(near.1.is_ok());

@@ -27,6 +27,8 @@ const MOVED_CONTACTS: u8 = 4;
 
 /// A rest position less far from that of the self test than this is the same, in units of A0.
 const REST_MOVED: f32 = 0.2;
+/// Of windows with contacts too weak to be seen, only a rest position beyond the surface by so many scatters tells anything.
+const REST_SURE: f32 = 3.0;
 
 /// Surface and rest position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +64,11 @@ impl Gap {
             flown: 0,
             rest_m: Average::default(),
         }
+    }
+
+    /// Flights before this told little: a hammer that the surface presses on does not fly.
+    pub fn at_amplitude(&mut self) {
+        self.rest = FadingLine::default();
     }
 
     /// The point of a window moves the place at which the hammer would rest; one that lies off does not, several in a row do at
@@ -103,8 +110,10 @@ impl Gap {
 
     /// Where the hammer would rest by the last few windows alone, m; none if they do not tell it.
     fn rest_now_m(&self) -> Option<f32> {
-        let (slope, _) = self.rest.straight()?;
-        Some(self.rest.x - self.rest.y / slope)
+        let (slope, square) = self.rest.fit()?;
+        let rest_m = self.rest.x - self.rest.y / slope;
+        let far = slope * rest_m > REST_SURE * libm::sqrtf(square);
+        (far || self.rest.straight().is_some()).then_some(rest_m)
     }
 
     /// Takes in the gap of a contact. Contacts that agree on another gap than those before begin the mean anew: the

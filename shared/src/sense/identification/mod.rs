@@ -227,6 +227,7 @@ impl Identification {
     /// The amplitude has been reached: flights before that told little of the sensors.
     pub fn at_amplitude(&mut self) {
         self.ratio.reset();
+        self.gap.at_amplitude();
     }
 
     /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
