@@ -4,7 +4,7 @@
 //!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT [DECAY_MS]]
 //!
 //! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out; DECAY_MS the time within which the ringing
-//! decays, 2 if left out. Ends with 1 if a mean is more than 1.25 % off the force wanted, a blow in Hold above 105 % of the limit, or
+//! decays, 2 if left out. Ends with 1 if a mean is more than 1 % off the force wanted, a blow in Hold above 105 % of the limit, or
 //! any above 110 % of it, the trip level.
 
 use std::process::ExitCode;
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use shared::control::State;
 
 /// Rig time of a run, and from when on contacts count, s.
-const LONG_S: f64 = 60.0;
-const FROM_S: f64 = 35.0;
+const LONG_S: f64 = 100.0;
+const FROM_S: f64 = 60.0;
 /// The rigs, and 0.8 of the force of their strongest 1/1, N.
 const RIGS: [(&str, f64); 4] = [
     ("wires", 77.0),
@@ -113,7 +113,7 @@ fn main() -> ExitCode {
             if limited {
                 *in_hold <= 105.0 && *largest <= 110.0
             } else {
-                (98.75..=101.25).contains(mean)
+                (99.0..=101.0).contains(mean)
             }
         });
         let range = |i: usize| {

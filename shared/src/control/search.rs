@@ -10,6 +10,7 @@ use super::probe::PhaseProbe;
 use crate::forecast::Target;
 use crate::model::regime::Regime;
 use crate::sense::Strobe;
+use crate::settings::TICK_S;
 
 /// Distance kept from the ends of the forecast's stable band, relative.
 const BAND_MARGIN: f32 = 0.03;
@@ -36,6 +37,11 @@ const FIRST_CLIMB: u16 = 96;
 const CLIMB_EVERY: u16 = 1024;
 /// A drive period without exactly one contact adds this; one with, takes one off.
 const BAD_WEIGHT: u8 = 2;
+/// In Hold the drive period is made so many ticks longer and shorter in turn, for so many periods each (a power of two): where the samples
+/// fall in a contact decides by up to 1 % what they show of its peak, and would stay the same for a minute where the period is a whole
+/// number of ticks.
+const DITHER: f32 = 0.25;
+const DITHER_PERIODS: u16 = 8;
 /// A loss within so many good drive periods of the one before is no accident: the phase retreats.
 const AGAIN_PERIODS: u8 = 48;
 /// At this the regime is lost: eight bad periods in a row, or more bad ones than a third.
@@ -274,7 +280,11 @@ impl Search {
             SearchLeg::Rest { periods: 0 } if !at_bound => {
                 self.leg = SearchLeg::Climb(PhaseProbe::default());
             }
-            SearchLeg::Rest { periods } => *periods = periods.saturating_sub(1),
+            SearchLeg::Rest { periods } => {
+                *periods = periods.saturating_sub(1);
+                let later = *periods & DITHER_PERIODS == 0;
+                offset = if later { DITHER } else { -DITHER } * frequency_hz * TICK_S as f32;
+            }
             SearchLeg::Locked { .. } | SearchLeg::Entry { .. } => {}
         }
         let error = self.lock.error_turns(beat.phase_turns, offset);

@@ -2,13 +2,13 @@
 //!
 //! A contact makes the surface ring, and the force sensor sees both. Where the ringing falls first, the largest sample is up
 //! to 18 % below the contact's true peak; where it has come back before the force is gone, up to 25 % above it.
-//! After the contact the sensor sees the ringing alone: a decaying sine. Its pitch and decay come from the correlation
-//! of those samples, added up over contacts (noise adds to the correlation at no lag, which is left out); its size and phase
-//! are fitted to each contact. Where they cannot be known, the peak is taken for 1.2 times what is read. The ringing is followed
-//! back to where it began, through the anti-alias filter, and taken out of the samples of the contact. With ringing of 5 to 60 %
-//! at 1 to 6 kHz and a decay of 1 or 2 ms, the peak of the emulator's contact is that of the same contact without ringing within
-//! 0.2 %, with noise of 0.5 % of the peak within 0.5 %, with 2 % within 3.4 % (a ringing of 5 % is then not always told from the
-//! noise).
+//! After the contact the sensor sees the ringing alone: a decaying sine. Its pitch and decay come from the correlation of the
+//! mean of those samples over many contacts, whose noise is small; the correlation over a tick or two, which noise behind a filter has too,
+//! is left out. Size and phase are those of each contact where noise is small, and else those of the last contacts, turned to the instant at
+//! which this one crossed its threshold. The ringing is followed back to where it began, through the anti-alias filter, and taken out of the
+//! samples of the contact. Where it is heard but not known, the peak is taken for up to 1.2 times what is read, by how loud it is. With
+//! ringing of 5 to 60 % at 1 to 6 kHz and a decay of 1 or 2 ms, the peak of the emulator's contact is that of the same contact without
+//! ringing within 0.2 %, with noise of 0.5 % of the peak within 0.6 %, with 2 % within 1.9 %.
 
 use core::f32::consts::{PI, SQRT_2};
 
@@ -18,7 +18,7 @@ use crate::model::contact::Law;
 use crate::model::params::RigParams;
 use crate::settings::{Settings, TICK_S, strong_speed_m_per_s};
 
-use self::sine::{LAGS, TAIL, exp, fit, pole, products};
+use self::sine::{TAIL, exp, fit, pole, products};
 use super::pulse::PulseEdge;
 
 mod sine;
@@ -31,13 +31,21 @@ const MARGIN: f32 = 3.5;
 const MEMORY: f32 = 16.0;
 /// Contacts in what is added up of their ringing.
 const RINGING_MEMORY: f32 = 128.0;
+/// And of its amplitude.
+const AMPLITUDE_MEMORY: f32 = 32.0;
+/// Variance of the amplitude fitted to a contact, over its decay per tick times the mean square of the noise: 4 if that is white, twice as
+/// much behind a filter.
+const FITTED: f32 = 8.0;
+/// Square of its distance from the mean amplitude, over the variance, from which on it is another ringing.
+const OFF: f32 = 16.0;
+/// How well it is known when a contact crossed its threshold, ticks.
+const CROSSED: f32 = 0.05;
 /// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
 const UNSURE: f32 = 0.01;
 /// And from which on nothing is known of it.
-const UNKNOWN: f32 = 0.04;
-/// What is left of the tail without its ringing, over what the last samples of the contacts before it were (squares), if the surface does
-/// not ring as it did.
-const OTHERWISE: f32 = 1.7;
+const UNKNOWN: f32 = 0.12;
+/// What is left of a tail without its ringing, over what was left of those before it (squares), if the surface does not ring as it did.
+const OTHERWISE: f32 = 2.2;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
 /// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
 const TWO_MEMORY: f32 = 512.0;
@@ -49,14 +57,19 @@ const FEW: u8 = 4;
 const ENDS: usize = 16;
 /// The first of them over the last (squares) from which on there is a ringing,
 const LOUD: f32 = 1.7;
+/// over what noise would leave in their mean,
+const SURE: f32 = 4.0;
 /// and over the contact's peak.
-const LOUD_OF_PEAK: f32 = 2.5e-5;
+const QUIET: f32 = 1e-6;
+/// Those of a surface whose ringing does not matter.
+const SILENT: f32 = 1e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
+/// That less 1, over the amplitude of the tails' first samples, where their pitch is not known: of a ringing that decays within 0.3 ms little
+/// is left by then.
+const GROWS: f32 = 5.0;
 /// What a limit adds where the ringing is lost in the noise or dies before it is seen: such a peak may be so much above its reading.
 const HIDDEN: f32 = 0.15;
-/// The tail's first samples over the peak (squares) below which a surface does not ring.
-const SILENT: f32 = 1e-4;
 /// What the ringing found leaves of the first samples, over what it leaves of the last (squares), from which on it is not the only one.
 const ANOTHER: f32 = 1.5;
 /// The correlation of each sample that is left with the next, above which it is no noise behind the filter, of which it is a half.
@@ -111,69 +124,111 @@ impl Shape {
     }
 }
 
-/// How the surface rings: what is added up over the contacts, N².
+/// How the surface rings: means over the contacts, all over their peaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Learnt {
-    correlation: [f32; LAGS],
-    /// Squares of the tail's first samples, of its last, and of as many peaks.
-    squares: [f32; 3],
-    /// What the ringing leaves of the squares of the first, of the last and of all, and of the products of each with the next.
+    /// How many contacts are in them, up to [`RINGING_MEMORY`].
+    contacts: f32,
+    /// The tail: its noise is smaller by the root of that number.
+    tail: [f32; TAIL],
+    /// The ringing's complex amplitude at the crossing, and of how many contacts it is.
+    amplitude: Complex<f32>,
+    averaged: f32,
+    /// Mean square of the tail's last samples.
+    noise: f32,
+    /// Contacts with a ringing, up to [`RINGING_MEMORY`].
+    fitted: f32,
+    /// What it leaves of the squares of the first, of the last and of all, and of the products of each with the next.
     left: [f32; 4],
 }
 
 impl Learnt {
     const NOTHING: Self = Self {
-        correlation: [0.0; LAGS],
-        squares: [0.0; 3],
+        contacts: 0.0,
+        tail: [0.0; TAIL],
+        amplitude: Complex::new(0.0, 0.0),
+        averaged: 0.0,
+        noise: 0.0,
+        fitted: 0.0,
         left: [0.0; 4],
     };
 
-    fn add(&mut self, tail: &[f32; TAIL], peak_n: f32) {
-        let add = |sum: &mut f32, new| *sum += new - *sum / RINGING_MEMORY;
-        for (lag, sum) in (1..).zip(&mut self.correlation) {
-            add(sum, products(tail, 0, lag, TAIL - LAGS));
+    fn add(&mut self, tail: &[f32; TAIL]) {
+        self.contacts = RINGING_MEMORY.min(self.contacts + 1.0);
+        for (mean, new) in self.tail.iter_mut().zip(tail) {
+            *mean += (new - *mean) / self.contacts;
         }
-        let squares = [
-            products(tail, 0, 0, ENDS),
-            products(tail, TAIL - ENDS, 0, ENDS),
-            ENDS as f32 * peak_n * peak_n,
-        ];
-        for (sum, new) in self.squares.iter_mut().zip(squares) {
-            add(sum, new);
-        }
+        let noise = products(tail, TAIL - ENDS, 0, ENDS) / ENDS as f32;
+        self.noise += (noise - self.noise) / self.contacts;
     }
 
-    /// Whether the tails are louder at first than at last.
+    /// Mean square of the mean tail's first and last samples.
+    fn squares(&self) -> [f32; 2] {
+        [0, TAIL - ENDS].map(|from| products(&self.tail, from, 0, ENDS) / ENDS as f32)
+    }
+
+    /// Whether the tails are louder at first than at last, and than their noise.
     fn rings(&self) -> bool {
-        let [first, last, peak] = self.squares;
-        first > LOUD * last && first > LOUD_OF_PEAK * peak
+        let [first, last] = self.squares();
+        first > LOUD * last && first > QUIET && first > SURE * self.noise / self.contacts
+    }
+
+    /// True peak over what is read, at most, by how loud the tails are.
+    fn most(&self) -> f32 {
+        let [first, last] = self.squares();
+        MOST.min(1.0 + GROWS * libm::sqrtf(2.0 * (first - last).max(0.0)))
     }
 
     /// Whether the tails are too quiet for a ringing that matters.
     fn is_silent(&self) -> bool {
-        let [first, _, peak] = self.squares;
-        first < SILENT * peak
+        let [first, _] = self.squares();
+        first < SILENT
+    }
+
+    /// The ringing's amplitude at the first sample of a tail, `crossed_before` after the crossing, of which it is `own` with a variance of
+    /// `noise`; and the variance of that. Contacts scatter by more where the crossing is known less well than the ringing turns.
+    fn amplitude(
+        &mut self,
+        own: Complex<f32>,
+        noise: f32,
+        pole: Complex<f32>,
+        crossed_before: f32,
+    ) -> (Complex<f32>, f32) {
+        let mean = self.amplitude * exp(pole * crossed_before);
+        let off = own - mean;
+        let late = CROSSED * pole.im;
+        let timing = late * late * own.norm_sqr();
+        // A ringing that is suddenly another one is learnt anew.
+        if off.norm_sqr() > OFF * (timing + noise) {
+            self.averaged = 0.0;
+        }
+        self.averaged = AMPLITUDE_MEMORY.min(self.averaged + 1.0);
+        let weight = 1.0 / self.averaged;
+        self.amplitude += off * exp(pole * -crossed_before) * weight;
+        let known = timing + weight * noise;
+        let own_weight = weight.max(known / (known + noise));
+        (mean + off * own_weight, own_weight * noise)
     }
 
     /// Takes in what the ringing leaves of a tail; whether it explains them.
     fn explains(&mut self, left: &[f32; TAIL]) -> bool {
+        self.fitted = RINGING_MEMORY.min(self.fitted + 1.0);
         let new = [
             products(left, 0, 0, ENDS),
             products(left, TAIL - ENDS, 0, ENDS),
             products(left, 0, 0, TAIL - 1),
             products(left, 0, 1, TAIL - 1),
         ];
-        for (sum, new) in self.left.iter_mut().zip(new) {
-            *sum += new - *sum / RINGING_MEMORY;
+        for (mean, new) in self.left.iter_mut().zip(new) {
+            *mean += (new - *mean) / self.fitted;
         }
         let [first, last, all, next] = self.left;
-        (first < ANOTHER * last && next < ALIKE * all) || first < SILENT * self.squares[2]
+        (first < ANOTHER * last && next < ALIKE * all) || first < SILENT * ENDS as f32
     }
 
-    /// Whether a contact rings otherwise, of whose tail `left` (mean square, over the peak's) is left without the ringing learnt.
+    /// Whether a contact rings otherwise, of whose tail `left` (mean square) is left without the ringing learnt.
     fn is_contradicted(&self, left: f32) -> bool {
-        let [_, last, peak] = self.squares;
-        left * peak > OTHERWISE * last
+        left * (TAIL - 1) as f32 > OTHERWISE * self.left[2] && self.fitted >= f32::from(FEW)
     }
 }
 
@@ -364,43 +419,59 @@ impl Ringing {
         let two_n = pairs.fold(0.0, |most: f32, pair| {
             most.max(pair.iter().copied().fold(f32::INFINITY, f32::min))
         });
-        self.learnt.add(&tail, read.peak_n);
+        let struck = read.peak_n > 0.0;
+        if !struck {
+            return;
+        }
+        for sample in &mut tail {
+            *sample /= read.peak_n;
+        }
+        self.learnt.add(&tail);
         let rings = self.learnt.rings();
         let (mut found, mut explained) = (read, false);
         self.unsure = 0.0;
-        let fitted =
-            pole(&self.learnt.correlation).and_then(|pole| Some((pole, fit(&mut tail, pole)?)));
-        if let Some((pole, amplitude)) = fitted {
-            let left = products(&tail, 0, 0, TAIL) / (TAIL as f32 * read.peak_n * read.peak_n);
+        // What a limit counts: pitch and decay are no better known than the amplitude.
+        let mut unsure = 0.0;
+        let pole = pole(&self.learnt.tail).filter(|_| rings);
+        let fitted = pole
+            .and_then(|pole| Some((pole, fit(&tail, pole)?)))
+            .filter(|(_, own)| own.norm_sqr().is_finite());
+        if let Some((pole, own)) = fitted {
+            sine::take_out(&mut tail, pole, own);
+            let left = products(&tail, 0, 0, TAIL - 1) / (TAIL - 1) as f32;
+            let contradicted = self.learnt.is_contradicted(left);
             explained = self.learnt.explains(&tail);
-            if self.learnt.is_contradicted(left) {
+            let noise = -FITTED * pole.re * left;
+            let (amplitude, variance) =
+                self.learnt.amplitude(own, noise, pole, self.crossed_before);
+            let since_peak = shape.tail as f32 - shape.to_peak;
+            let grows = -pole.re * since_peak;
+            self.unsure = libm::sqrtf(variance) * libm::expf(grows);
+            unsure = self.unsure * (1.0 + grows);
+            if contradicted {
                 self.learnt = Learnt::NOTHING;
             }
-            let noise = libm::sqrtf(left);
-            let since_peak = shape.tail as f32 - shape.to_peak;
-            self.unsure = 0.5 * noise * libm::expf(-pole.re * since_peak);
+            let amplitude = amplitude * read.peak_n;
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
             found = measure(&self.samples, length);
         }
         found.peak_n *= 1.0 + shape.filtered_per_n * found.peak_n;
         let unknown = self.unsure > UNKNOWN || (fitted.is_none() && rings);
         let doubt = if unknown {
-            // Such a peak is taken for more already.
-            0.0
+            // It rings, but how is not known.
+            let most = self.learnt.most();
+            found = RingingContact {
+                peak_n: most * read.peak_n,
+                ..read
+            };
+            self.unsure = 1.0;
+            MOST / most - 1.0
         } else if explained || self.learnt.is_silent() {
-            self.unsure
+            unsure
         } else {
             HIDDEN
         };
         self.doubted += (doubt - self.doubted) / MEMORY;
-        if unknown {
-            // It rings, but how is not known.
-            found = RingingContact {
-                peak_n: MOST * read.peak_n,
-                ..read
-            };
-            self.unsure = 1.0;
-        }
         let (least, most) = BELIEVED;
         if !(least..most).contains(&(found.peak_n / read.peak_n)) || !found.sum_n.is_finite() {
             found = read;

@@ -6,8 +6,10 @@ use crate::model::trig::sin_cos_f32;
 
 /// Samples of the ringing alone that are fitted.
 pub(super) const TAIL: usize = 48;
+/// First lag of the correlation: noise behind the anti-alias filter is alike over the ones before it.
+pub(super) const FIRST_LAG: usize = 3;
 /// Lags of the correlation.
-pub(super) const LAGS: usize = 12;
+pub(super) const LAGS: usize = 16;
 /// Share of the correlation's squares that a decaying sine may leave over.
 const UNEXPLAINED: f32 = 0.05;
 /// Squared decay per tick of what can be ringing: one twelfth of a millisecond and longer.
@@ -21,8 +23,13 @@ pub(super) fn products(samples: &[f32; TAIL], from: usize, lag: usize, count: us
     pairs.map(|(a, b)| a * b).sum()
 }
 
-/// The decaying sine of a correlation: the logarithm of what it is multiplied by per tick. None if it is no such sine.
-pub(super) fn pole(correlation: &[f32; LAGS]) -> Option<Complex<f32>> {
+/// The decaying sine that the samples are, by their correlation: the logarithm of what it is multiplied by per tick. None if they are no such
+/// sine.
+pub(super) fn pole(samples: &[f32; TAIL]) -> Option<Complex<f32>> {
+    let mut correlation = [0.0; LAGS];
+    for (lag, sum) in (FIRST_LAG..).zip(&mut correlation) {
+        *sum = products(samples, 0, lag, TAIL - LAGS - FIRST_LAG + 1);
+    }
     // Each is a sum of the two before it, with the same weights.
     let mut rows = correlation.windows(3).filter_map(|three| match *three {
         [oldest, before, now] => Some((Vector2::new(before, oldest), now)),
@@ -39,8 +46,8 @@ pub(super) fn pole(correlation: &[f32; LAGS]) -> Option<Complex<f32>> {
     })
 }
 
-/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first; it is taken out of them.
-pub(super) fn fit(samples: &mut [f32; TAIL], pole: Complex<f32>) -> Option<Complex<f32>> {
+/// The complex amplitude A for which the real part of A e^(pole k) fits the samples best, k = 0 at the first.
+pub(super) fn fit(samples: &[f32; TAIL], pole: Complex<f32>) -> Option<Complex<f32>> {
     let step = exp(pole);
     let mut turned = Complex::new(1.0, 0.0);
     let mut rows = samples.iter().map(|sample| {
@@ -49,13 +56,17 @@ pub(super) fn fit(samples: &mut [f32; TAIL], pole: Complex<f32>) -> Option<Compl
         (row, *sample)
     });
     let (found, _) = least_squares(&mut rows)?;
-    let amplitude = Complex::new(found.x, found.y);
+    Some(Complex::new(found.x, found.y))
+}
+
+/// Takes the real part of `amplitude` e^(`pole` k) out of the samples.
+pub(super) fn take_out(samples: &mut [f32; TAIL], pole: Complex<f32>, amplitude: Complex<f32>) {
+    let step = exp(pole);
     let mut ringing = amplitude;
     for sample in samples {
         *sample -= ringing.re;
         ringing *= step;
     }
-    Some(amplitude)
 }
 
 /// The two weights with which the rows come closest to their values, and the share of the values' squares that is left.

@@ -110,7 +110,7 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
     for (noise, within) in [
         (0.0, (0.003, 0.002)),
         (0.005, (0.007, 0.003)),
-        (0.02, (0.04, 0.05)),
+        (0.02, (0.025, 0.05)),
     ] {
         let plain = found([3e3, 0.0, 0.0], 2e-3, noise);
         assert!((plain.0 - 1.0).abs() < 0.025, "{plain:?}");
@@ -133,9 +133,9 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
 #[test]
 fn a_ringing_that_is_lost_in_the_noise_hides_little_of_the_peak() {
     for (noise, decay_s, believed, least_limited) in [
-        (0.01, 5e-4, 0.972..1.2, 1.0),
-        (0.01, 3e-4, 0.9..1.3, 0.985),
-        (0.02, 1e-3, 0.972..1.05, 1.0),
+        (0.01, 5e-4, 0.98..1.03, 1.01),
+        (0.01, 3e-4, 0.93..1.13, 0.985),
+        (0.02, 1e-3, 0.985..1.03, 1.01),
     ] {
         for hz in [1e3, 2e3, 3e3, 5e3] {
             for share in [0.05, 0.1, 0.2, 0.3, 0.5] {
@@ -185,8 +185,8 @@ fn a_surface_that_rings_in_two_modes_hides_no_more_than_stated() {
                 for second in [0.2, 0.5] {
                     let how = [hz, share * (1.0 - second), share * second];
                     let (peak, _, limited) = found(how, decay_s, noise);
-                    assert!(limited > 0.89, "{noise} {how:?}: {limited}");
-                    assert!((0.88..1.16).contains(&peak), "{noise} {how:?}: {peak}");
+                    assert!(limited > 0.94, "{noise} {how:?}: {limited}");
+                    assert!((0.87..1.16).contains(&peak), "{noise} {how:?}: {peak}");
                 }
             }
         }
