@@ -122,6 +122,18 @@ fn a_limit_that_acts_trips_nothing_wherever_the_samples_fall_in_the_ringing() {
         });
 }
 
+/// The best drive period of beam-135 is a whole number of samples, and the lock kept to where they fell in the contact: the mean was up to 1 %
+/// off for a minute.
+#[test]
+fn the_force_wanted_does_not_depend_on_where_the_samples_fall() {
+    [3, 4, 9].par_iter().for_each(|seed| {
+        let tables = format!("ringing_percent = 0.0\n[aim]\nforce_n = 274.0\n{}", start());
+        let truth = truth_noisy("beam-135", 0.05, *seed, 60.0, &tables);
+        let mean = late_mean_n(&truth) / 274.0;
+        assert!((mean - 1.0).abs() < 0.004, "{seed}: {mean}");
+    });
+}
+
 /// A ringing that decays within half a millisecond is almost gone once the contact is over: what single contacts show of it is noise.
 /// (Most such runs ended with over-force.)
 #[test]
@@ -147,8 +159,35 @@ fn a_ringing_that_is_lost_in_the_noise_trips_nothing_and_passes_no_limit_by_much
         assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{case}");
         let mean = late_mean_n(&truth) / limit_n;
         let largest = truth.force_n / limit_n;
-        assert!(mean > 0.83 && largest < 1.04, "{case}: {mean} {largest}");
+        assert!(mean > 0.86 && largest < 1.04, "{case}: {mean} {largest}");
     });
+}
+
+/// The force wanted there: it was 86 to 104 % of what was asked, or 88 % on a surface that rings by 5 % behind 2 % of noise.
+#[test]
+fn a_ringing_that_is_lost_in_the_noise_takes_little_from_the_force_wanted() {
+    let (wires, beam) = (("wires", 77.0), ("beam-135", 274.0));
+    let ways = [
+        (wires, (1.0, 10.0), 1.0, 0.5),
+        (wires, (1.0, 15.0), 2.0, 1.0),
+        (wires, (1.0, 5.0), 2.0, 2.0),
+        (beam, (1.0, 15.0), 1.0, 0.5),
+        (beam, (3.0, 25.0), 1.0, 0.3),
+        (beam, (1.0, 5.0), 2.0, 2.0),
+    ];
+    ways.par_iter()
+        .for_each(|((rig, force_n), ringing, noise, decay_ms)| {
+            let tables = format!(
+                "{}ringing_decay_ms = {decay_ms:?}\n[aim]\nforce_n = {force_n:?}\n{}",
+                rung(*ringing),
+                start()
+            );
+            let truth = truth_noisy(rig, *noise, 5, 80.0, &tables);
+            let case = format!("{rig} {ringing:?} {noise} {decay_ms}");
+            assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{case}");
+            let mean = late_mean_n(&truth) / force_n;
+            assert!((0.98..1.03).contains(&mean), "{case}: {mean}");
+        });
 }
 
 /// Something throws the hammer at the surface, once, in Hold: a blow above the level trips, whatever the surface rings like.
