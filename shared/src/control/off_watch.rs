@@ -147,6 +147,7 @@ impl OffWatch {
     }
 
     /// A group has ended: judges the window at its end, and the first one early, too.
+    #[inline(never)]
     fn look(&mut self) -> Option<f32> {
         let whole = self.groups >= GROUPS;
         let early = self.found == Found::Nothing && EARLY.contains(&self.groups);

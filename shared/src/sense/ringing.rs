@@ -163,6 +163,7 @@ impl Learnt {
     }
 
     /// Mean square of the mean tail's first and last samples.
+    #[inline(never)]
     fn squares(&self) -> [f32; 2] {
         [0, TAIL - ENDS].map(|from| products(&self.tail, from, 0, ENDS) / ENDS as f32)
     }
@@ -236,14 +237,12 @@ impl Learnt {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ringing {
     shape: Option<Shape>,
-    samples: [f32; LENGTH],
-    /// How many there are; [`LENGTH`]: none is collected.
+    /// How many samples there are; [`LENGTH`]: none is collected.
     count: usize,
     /// From the second sample back to the crossing, ticks.
     crossed_before: f32,
     /// The last two samples.
     last_n: [f32; 2],
-    learnt: Learnt,
     /// Contacts that were collected, and their mean, as read and without ringing.
     contacts: u8,
     read: RingingContact,
@@ -259,6 +258,8 @@ pub struct Ringing {
     own: Option<RingingContact>,
     open: bool,
     period_n: f32,
+    samples: [f32; LENGTH],
+    learnt: Learnt,
 }
 
 /// The force of one contact: its peak and the sum of its samples.

@@ -109,6 +109,7 @@ impl Gap {
     }
 
     /// Where the hammer would rest by the last few windows alone, m; none if they do not tell it.
+    #[inline(never)]
     fn rest_now_m(&self) -> Option<f32> {
         let (slope, square) = self.rest.fit()?;
         let rest_m = self.rest.x - self.rest.y / slope;
