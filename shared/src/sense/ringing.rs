@@ -251,6 +251,8 @@ pub struct Ringing {
     two_share: f32,
     /// Error of the last contact's peak by the noise, as a share of it.
     unsure: f32,
+    /// Error of what the last contact alone showed.
+    noisy: f32,
     /// What a limit adds to the last contacts' peaks, as a share of them.
     doubted: f32,
     /// The contact under way as it is read, and without ringing, once known.
@@ -294,6 +296,7 @@ impl Ringing {
             found: RingingContact::NONE,
             two_share: 0.0,
             unsure: 0.0,
+            noisy: 0.0,
             doubted: if shape.is_some() { HIDDEN } else { 0.0 },
             reading: RingingContact::NONE,
             own: None,
@@ -339,7 +342,7 @@ impl Ringing {
 
     /// Whether the peak of a single contact says something, and not only those of several.
     pub fn is_sure(&self) -> bool {
-        self.unsure < UNSURE
+        self.unsure.max(self.noisy) < UNSURE
     }
 
     /// The largest peak of the contacts that ended since the last call, N, each with the ringing after it.
@@ -431,6 +434,7 @@ impl Ringing {
         let rings = self.learnt.rings();
         let (mut found, mut explained) = (read, false);
         self.unsure = 0.0;
+        self.noisy = 0.5 * libm::sqrtf(self.learnt.noise);
         // What a limit counts: pitch and decay are no better known than the amplitude.
         let mut unsure = 0.0;
         let pole = pole(&self.learnt.tail).filter(|_| rings);
@@ -448,6 +452,7 @@ impl Ringing {
             let since_peak = shape.tail as f32 - shape.to_peak;
             let grows = -pole.re * since_peak;
             self.unsure = libm::sqrtf(variance) * libm::expf(grows);
+            self.noisy = 0.5 * libm::sqrtf(left) * libm::expf(grows);
             unsure = self.unsure * (1.0 + grows);
             if contradicted {
                 self.learnt = Learnt::NOTHING;
