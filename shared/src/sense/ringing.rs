@@ -57,8 +57,8 @@ const FEW: u8 = 4;
 const ENDS: usize = 16;
 /// The first of them over the last (squares) from which on there is a ringing,
 const LOUD: f32 = 1.7;
-/// over what noise would leave in their mean,
-const SURE: f32 = 4.0;
+/// what noise leaves in their mean, over them (not squares), below which there is one,
+const SURE: f32 = 0.5;
 /// and over the contact's peak.
 const QUIET: f32 = 1e-6;
 /// Those of a surface whose ringing does not matter.
@@ -74,6 +74,10 @@ const HIDDEN: f32 = 0.15;
 const ANOTHER: f32 = 1.5;
 /// The correlation of each sample that is left with the next, above which it is no noise behind the filter, of which it is a half.
 const ALIKE: f32 = 0.7;
+/// Error of the decay found, relative, over the share of noise in the mean tail.
+const DECAY: f32 = 4.0;
+/// How much of the ringing's amplitude may be hidden in a peak.
+const HIDES: f32 = 0.36;
 /// And as far as what was found is believed.
 const BELIEVED: (f32, f32) = (0.7, 1.4);
 /// Corner of the force's anti-alias filter, second-order Butterworth (docs/wiring.md), rad per tick.
@@ -171,7 +175,13 @@ impl Learnt {
     /// Whether the tails are louder at first than at last, and than their noise.
     fn rings(&self) -> bool {
         let [first, last] = self.squares();
-        first > LOUD * last && first > QUIET && first > SURE * self.noise / self.contacts
+        first > LOUD * last && first > QUIET && self.noise_share() < SURE
+    }
+
+    /// What noise leaves in the mean tail over its first samples.
+    fn noise_share(&self) -> f32 {
+        let [first, _] = self.squares();
+        libm::sqrtf(self.noise / (self.contacts * first))
     }
 
     /// True peak over what is read, at most, by how loud the tails are.
@@ -435,8 +445,7 @@ impl Ringing {
         let (mut found, mut explained) = (read, false);
         self.unsure = 0.0;
         self.noisy = 0.5 * libm::sqrtf(self.learnt.noise);
-        // What a limit counts: pitch and decay are no better known than the amplitude.
-        let mut unsure = 0.0;
+        let mut hidden = 0.0;
         let pole = pole(&self.learnt.tail).filter(|_| rings);
         let fitted = pole
             .and_then(|pole| Some((pole, fit(&tail, pole)?)))
@@ -453,7 +462,9 @@ impl Ringing {
             let grows = -pole.re * since_peak;
             self.unsure = libm::sqrtf(variance) * libm::expf(grows);
             self.noisy = 0.5 * libm::sqrtf(left) * libm::expf(grows);
-            unsure = self.unsure * (1.0 + grows);
+            let loud = libm::sqrtf(amplitude.norm_sqr()) * libm::expf(grows);
+            let faster = DECAY * grows * self.learnt.noise_share();
+            hidden = HIDES * loud * (libm::expf(faster.min(1.0)) - 1.0);
             if contradicted {
                 self.learnt = Learnt::NOTHING;
             }
@@ -473,7 +484,7 @@ impl Ringing {
             self.unsure = 1.0;
             MOST / most - 1.0
         } else if explained || self.learnt.is_silent() {
-            unsure
+            (self.unsure + hidden).min(HIDDEN)
         } else {
             HIDDEN
         };
