@@ -42,7 +42,9 @@ const OFF: f32 = 16.0;
 const CROSSED: f32 = 0.05;
 /// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
 const UNSURE: f32 = 0.01;
-/// And from which on nothing is known of it.
+/// From which on it is taken for no more than how loud the tails are allows,
+const UNCLEAR: f32 = 0.05;
+/// and from which on nothing is known of it.
 const UNKNOWN: f32 = 0.12;
 /// What is left of a tail without its ringing, over what was left of those before it (squares), if the surface does not ring as it did.
 const OTHERWISE: f32 = 2.2;
@@ -75,7 +77,7 @@ const ANOTHER: f32 = 1.5;
 /// The correlation of each sample that is left with the next, above which it is no noise behind the filter, of which it is a half.
 const ALIKE: f32 = 0.7;
 /// Error of the decay found, relative, over the share of noise in the mean tail.
-const DECAY: f32 = 4.0;
+const DECAY: f32 = 3.0;
 /// How much of the ringing's amplitude may be hidden in a peak.
 const HIDES: f32 = 0.36;
 /// And as far as what was found is believed.
@@ -472,11 +474,15 @@ impl Ringing {
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
             found = measure(&self.samples, length);
         }
+        let most = self.learnt.most();
+        if self.unsure > UNCLEAR {
+            found.peak_n = found.peak_n.min(most * read.peak_n);
+            found.sum_n = read.sum_n;
+        }
         found.peak_n *= 1.0 + shape.filtered_per_n * found.peak_n;
         let unknown = self.unsure > UNKNOWN || (fitted.is_none() && rings);
         let doubt = if unknown {
             // It rings, but how is not known.
-            let most = self.learnt.most();
             found = RingingContact {
                 peak_n: most * read.peak_n,
                 ..read
