@@ -155,12 +155,8 @@ impl OffWatch {
             return None;
         }
         let (amplitude_m, shaken_m, passages) = self.motion();
-        let coasts_m = if whole || passages as f32 > self.coast_passages * self.groups as f32 + 1.0
-        {
-            0.0
-        } else {
-            self.coasts_m
-        };
+        let is_fast = passages as f32 > self.coast_passages * self.groups as f32 + 1.0;
+        let coasts_m = if whole || is_fast { 0.0 } else { self.coasts_m };
         let far = amplitude_m > self.largest_m + coasts_m + shaken_m;
         let moves = far && passages >= TO_AND_FRO;
         if whole {

@@ -18,9 +18,11 @@ use crate::model::contact::Law;
 use crate::model::params::RigParams;
 use crate::settings::{Settings, TICK_S, strong_speed_m_per_s};
 
-use self::sine::{TAIL, exp, fit, pole, products};
+use self::learnt::Learnt;
+use self::sine::{TAIL, exp, fit, products};
 use super::pulse::PulseEdge;
 
+mod learnt;
 mod sine;
 
 /// Samples kept of a contact and what follows.
@@ -29,25 +31,15 @@ const LENGTH: usize = 80;
 const MARGIN: f32 = 3.5;
 /// Contacts in the mean of peaks.
 const MEMORY: f32 = 16.0;
-/// Contacts in what is added up of their ringing.
-const RINGING_MEMORY: f32 = 128.0;
-/// And of its amplitude.
-const AMPLITUDE_MEMORY: f32 = 32.0;
 /// Variance of the amplitude fitted to a contact, over its decay per tick times the mean square of the noise: 4 if that is white, twice as
 /// much behind a filter.
 const FITTED: f32 = 8.0;
-/// Square of its distance from the mean amplitude, over the variance, from which on it is another ringing.
-const OFF: f32 = 16.0;
-/// How well it is known when a contact crossed its threshold, ticks.
-const CROSSED: f32 = 0.05;
 /// Error of a contact's peak, as a share of it, from which on it is known better as the contacts before it were.
 const UNSURE: f32 = 0.01;
 /// From which on it is taken for no more than how loud the tails are allows,
 const UNCLEAR: f32 = 0.05;
 /// and from which on nothing is known of it.
 const UNKNOWN: f32 = 0.12;
-/// What is left of a tail without its ringing, over what was left of those before it (squares), if the surface does not ring as it did.
-const OTHERWISE: f32 = 2.2;
 /// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
 /// samples fall in the ringing, slowly where the drive holds its frequency: at 5 kHz there are four of them to a swing.
 const TWO_MEMORY: f32 = 512.0;
@@ -55,27 +47,10 @@ const TWO_MEMORY: f32 = 512.0;
 const OTHER: f32 = 4.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
-/// Samples at either end of the tail that are compared.
-const ENDS: usize = 16;
-/// The first of them over the last (squares) from which on there is a ringing,
-const LOUD: f32 = 1.7;
-/// what noise leaves in their mean, over them (not squares), below which there is one,
-const SURE: f32 = 0.5;
-/// and over the contact's peak.
-const QUIET: f32 = 1e-6;
-/// Those of a surface whose ringing does not matter.
-const SILENT: f32 = 1e-5;
 /// True peak over largest sample, at most, where nothing is known yet.
 const MOST: f32 = 1.2;
-/// That less 1, over the amplitude of the tails' first samples, where their pitch is not known: of a ringing that decays within 0.3 ms little
-/// is left by then.
-const GROWS: f32 = 5.0;
 /// What a limit adds where the ringing is lost in the noise or dies before it is seen: such a peak may be so much above its reading.
 const HIDDEN: f32 = 0.15;
-/// What the ringing found leaves of the first samples, over what it leaves of the last (squares), from which on it is not the only one.
-const ANOTHER: f32 = 1.5;
-/// The correlation of each sample that is left with the next, above which it is no noise behind the filter, of which it is a half.
-const ALIKE: f32 = 0.7;
 /// Error of the decay found, relative, over the share of noise in the mean tail.
 const DECAY: f32 = 3.0;
 /// How much of the ringing's amplitude may be hidden in a peak.
@@ -127,121 +102,6 @@ impl Shape {
             }
         }
         None
-    }
-}
-
-/// How the surface rings: means over the contacts, all over their peaks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Learnt {
-    /// How many contacts are in them, up to [`RINGING_MEMORY`].
-    contacts: f32,
-    /// The tail: its noise is smaller by the root of that number.
-    tail: [f32; TAIL],
-    /// The ringing's complex amplitude at the crossing, and of how many contacts it is.
-    amplitude: Complex<f32>,
-    averaged: f32,
-    /// Mean square of the tail's last samples.
-    noise: f32,
-    /// Contacts with a ringing, up to [`RINGING_MEMORY`].
-    fitted: f32,
-    /// What it leaves of the squares of the first, of the last and of all, and of the products of each with the next.
-    left: [f32; 4],
-}
-
-impl Learnt {
-    const NOTHING: Self = Self {
-        contacts: 0.0,
-        tail: [0.0; TAIL],
-        amplitude: Complex::new(0.0, 0.0),
-        averaged: 0.0,
-        noise: 0.0,
-        fitted: 0.0,
-        left: [0.0; 4],
-    };
-
-    fn add(&mut self, tail: &[f32; TAIL]) {
-        self.contacts = RINGING_MEMORY.min(self.contacts + 1.0);
-        for (mean, new) in self.tail.iter_mut().zip(tail) {
-            *mean += (new - *mean) / self.contacts;
-        }
-        let noise = products(tail, TAIL - ENDS, 0, ENDS) / ENDS as f32;
-        self.noise += (noise - self.noise) / self.contacts;
-    }
-
-    /// Mean square of the mean tail's first and last samples.
-    #[inline(never)]
-    fn squares(&self) -> [f32; 2] {
-        [0, TAIL - ENDS].map(|from| products(&self.tail, from, 0, ENDS) / ENDS as f32)
-    }
-
-    /// Whether the tails are louder at first than at last, and than their noise.
-    fn rings(&self) -> bool {
-        let [first, last] = self.squares();
-        first > LOUD * last && first > QUIET && self.noise_share() < SURE
-    }
-
-    /// What noise leaves in the mean tail over its first samples.
-    fn noise_share(&self) -> f32 {
-        let [first, _] = self.squares();
-        libm::sqrtf(self.noise / (self.contacts * first))
-    }
-
-    /// True peak over what is read, at most, by how loud the tails are.
-    fn most(&self) -> f32 {
-        let [first, last] = self.squares();
-        MOST.min(1.0 + GROWS * libm::sqrtf(2.0 * (first - last).max(0.0)))
-    }
-
-    /// Whether the tails are too quiet for a ringing that matters.
-    fn is_silent(&self) -> bool {
-        let [first, _] = self.squares();
-        first < SILENT
-    }
-
-    /// The ringing's amplitude at the first sample of a tail, `crossed_before` after the crossing, of which it is `own` with a variance of
-    /// `noise`; and the variance of that. Contacts scatter by more where the crossing is known less well than the ringing turns.
-    fn amplitude(
-        &mut self,
-        own: Complex<f32>,
-        noise: f32,
-        pole: Complex<f32>,
-        crossed_before: f32,
-    ) -> (Complex<f32>, f32) {
-        let mean = self.amplitude * exp(pole * crossed_before);
-        let off = own - mean;
-        let late = CROSSED * pole.im;
-        let timing = late * late * own.norm_sqr();
-        // A ringing that is suddenly another one is learnt anew.
-        if off.norm_sqr() > OFF * (timing + noise) {
-            self.averaged = 0.0;
-        }
-        self.averaged = AMPLITUDE_MEMORY.min(self.averaged + 1.0);
-        let weight = 1.0 / self.averaged;
-        self.amplitude += off * exp(pole * -crossed_before) * weight;
-        let known = timing + weight * noise;
-        let own_weight = weight.max(known / (known + noise));
-        (mean + off * own_weight, own_weight * noise)
-    }
-
-    /// Takes in what the ringing leaves of a tail; whether it explains them.
-    fn explains(&mut self, left: &[f32; TAIL]) -> bool {
-        self.fitted = RINGING_MEMORY.min(self.fitted + 1.0);
-        let new = [
-            products(left, 0, 0, ENDS),
-            products(left, TAIL - ENDS, 0, ENDS),
-            products(left, 0, 0, TAIL - 1),
-            products(left, 0, 1, TAIL - 1),
-        ];
-        for (mean, new) in self.left.iter_mut().zip(new) {
-            *mean += (new - *mean) / self.fitted;
-        }
-        let [first, last, all, next] = self.left;
-        (first < ANOTHER * last && next < ALIKE * all) || first < SILENT * ENDS as f32
-    }
-
-    /// Whether a contact rings otherwise, of whose tail `left` (mean square) is left without the ringing learnt.
-    fn is_contradicted(&self, left: f32) -> bool {
-        left * (TAIL - 1) as f32 > OTHERWISE * self.left[2] && self.fitted >= f32::from(FEW)
     }
 }
 
@@ -443,12 +303,12 @@ impl Ringing {
             *sample /= read.peak_n;
         }
         self.learnt.add(&tail);
-        let rings = self.learnt.rings();
+        let (rings, most) = (self.learnt.rings(), self.learnt.most());
         let (mut found, mut explained) = (read, false);
         self.unsure = 0.0;
         self.noisy = 0.5 * libm::sqrtf(self.learnt.noise);
         let mut hidden = 0.0;
-        let pole = pole(&self.learnt.tail).filter(|_| rings);
+        let pole = rings.then(|| self.learnt.pole()).flatten();
         let fitted = pole
             .and_then(|pole| Some((pole, fit(&tail, pole)?)))
             .filter(|(_, own)| own.norm_sqr().is_finite());
@@ -474,7 +334,6 @@ impl Ringing {
             shape.take_out(&mut self.samples, self.crossed_before, pole, amplitude);
             found = measure(&self.samples, length);
         }
-        let most = self.learnt.most();
         if self.unsure > UNCLEAR {
             found.peak_n = found.peak_n.min(most * read.peak_n);
             found.sum_n = read.sum_n;
