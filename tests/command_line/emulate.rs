@@ -288,6 +288,7 @@ fn input_that_cannot_be_used_gets_one_line() {
     let folder = Folder::new()
         .with("key.toml", STOPPED.replace("duration_s", "duration"))
         .with("late.toml", STOPPED.replace("at_s = 1.5", "at_s = 15"))
+        .with("rigless.toml", "duration_s = 5\n")
         .with("taken", "")
         .with(
             "notes.parquet",
@@ -298,6 +299,7 @@ fn input_that_cannot_be_used_gets_one_line() {
         [
             ("emulate key.toml", "key.toml"),
             ("emulate late.toml", "late.toml"),
+            ("emulate rigless.toml", "write a line [true_rig]"),
             ("emulate nowhere", "nowhere"),
             ("emulate nowhere.toml", "nowhere.toml"),
             ("emulate field --out taken", "taken"),

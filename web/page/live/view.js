@@ -40,7 +40,8 @@ export class View {
     this.status = null;
     this.heard = {};
     this.build(container);
-    this.timers = [setInterval(() => this.drawScope(), DRAW), setInterval(() => this.drawSpectrum(), SPECTRUM)];
+    setInterval(() => this.drawScope(), DRAW);
+    setInterval(() => this.drawSpectrum(), SPECTRUM);
     // Escape stops, wherever the focus is: on every part of the page while the drive runs, and here in any state.
     document.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.board && (this.drives || container.offsetParent !== null)) this.stop();
@@ -195,7 +196,6 @@ export class View {
     });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-    this.lastRecording = bytes;
     return `saved ${this.name}.parquet: host-sim replay ${this.name}.parquet`;
   }
 

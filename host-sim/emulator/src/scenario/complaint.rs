@@ -7,9 +7,16 @@ use files::rigfile::nearest;
 pub fn not_understood(message: &str) -> UserError {
     let line = message.lines().next().unwrap_or("not TOML");
     let mut quoted = line.split('`').skip(1).step_by(2);
-    let unknown = line.starts_with("unknown");
-    match (unknown, quoted.next()) {
-        (true, Some(word)) => {
+    let (unknown, missing) = (
+        line.starts_with("unknown"),
+        line.starts_with("missing field"),
+    );
+    match quoted.next() {
+        Some("true_rig") if missing => UserError::new(
+            "there is no rig to emulate; write a line [true_rig] and under it preset = \"wires\", or the keys of a rig file",
+        ),
+        Some(key) if missing => UserError::new(format!("{key} is missing; write {key} = …")),
+        Some(word) if unknown => {
             let known: Vec<&str> = quoted.collect();
             let hint = nearest(word, known.iter().copied());
             let hint = match known.as_slice() {
