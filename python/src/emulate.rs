@@ -1,10 +1,12 @@
-//! The controller in a closed loop with the emulated rig.
+//! The controller in a closed loop with the emulated rig, once or on many rigs.
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, RunEvent, RunObserver, TickRow, TrueContact};
 use emulator::run::Run;
 use emulator::scenario::{self, BUILTIN};
+use emulator::trials::TrialsRequest;
 use emulator::verdict::judge;
+use numerics::NamedRig;
 use numerics::progress::step;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -12,6 +14,7 @@ use shared::settings::TICK_RATE_HZ;
 
 use crate::arguments::Keywords;
 use crate::error::{from_user, wrong};
+use crate::rig::PythonRig;
 use crate::values::{fields, record, table};
 
 /// One control tick, as it truly was.
@@ -126,4 +129,36 @@ pub fn scenarios() -> PyResult<Vec<(String, String)>> {
         Ok(((*name).to_owned(), scenario.description))
     };
     BUILTIN.iter().map(one).collect()
+}
+
+/// The controller on many rigs that differ at random from its settings.
+#[pyfunction]
+pub fn trials(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let py = asked.py();
+    let rigs = match asked.take::<Option<PyRef<'_, PythonRig>>>("rig")? {
+        Some(rig) => vec![rig.named.clone()],
+        None => NamedRig::presets(),
+    };
+    let long = asked.take("long")?;
+    let request = TrialsRequest::new(
+        long,
+        asked.take("count")?,
+        asked.take("seconds")?,
+        asked.take("seed")?,
+    );
+    let request = request.map_err(from_user)?;
+    let steps = u64::from(request.count);
+    let (found, table) = if long {
+        let found = asked.run(steps, |watch| Ok(request.run_long(&rigs, watch)))?;
+        let found = found.map_err(from_user)?;
+        (fields(py, &found)?, table(py, &found.trials)?)
+    } else {
+        let found = asked.run(steps, |watch| Ok(request.run(&rigs, watch)))?;
+        let found = found.map_err(from_user)?;
+        let whole = fields(py, &found)?;
+        whole.set_item("distributions", table(py, &found.distributions)?)?;
+        (whole, table(py, &found.trials)?)
+    };
+    found.set_item("trials", table)?;
+    record(found)
 }

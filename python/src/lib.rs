@@ -33,7 +33,7 @@ mod _native {
         bifurcation::bifurcation,
         contact::{compare, contact, drop, identify},
         drill::drill,
-        emulate::{emulate, scenarios},
+        emulate::{emulate, scenarios, trials},
         map::map,
         modes::modes,
         orbits::orbits,

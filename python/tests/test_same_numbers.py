@@ -199,6 +199,16 @@ def test_drill_with_a_bit_that_is_fed_by_its_own_speed(host_sim):
     assert found.feed == expected["feed"] == "0.02 mm/s"
 
 
+@pytest.mark.parametrize("long", [False, True])
+def test_trials(host_sim, long):
+    found = vi.trials(WIRES, count=2, seconds=20, long=long, seed=3)
+    expected = host_sim("trials", "--rig", "wires", "--count", 2, "--seconds", 20, "--seed", 3, *(["--long"] if long else []))
+    same_rows(found.trials, expected.pop("trials"))
+    if not long:
+        same_rows(found.distributions, expected.pop("distributions"))
+    same(found, expected)
+
+
 def test_emulate(host_sim):
     text = vi.emulate("sensor-open", samples_per_second=0)
     same(text, host_sim("emulate", "sensor-open"))

@@ -4,6 +4,7 @@
 //! how soon it held, and what share of the true optimum's force was there from then on.
 
 pub mod long;
+mod request;
 
 use numerics::progress::Progress;
 use rand_chacha::ChaCha8Rng;
@@ -21,6 +22,7 @@ use crate::scenario::{MOST_FORCE_N, Scenario, parse};
 use crate::verdict::{Best, judge_by};
 use files::{UserError, rigfile};
 use numerics::NamedRig;
+pub use request::{LongTrials, RigTrials, Trials, TrialsRequest};
 
 /// Rig time before the start, s.
 const START_S: f64 = 1.0;

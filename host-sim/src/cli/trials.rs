@@ -2,23 +2,13 @@
 
 mod long;
 
-use serde::Serialize;
-use serde_json::json;
-
 use super::arguments::output::OutputArgs;
 use crate::pictures::trials::figure;
 use crate::progress::ProgressLine;
-use emulator::trials::long::LongTrial;
-use emulator::trials::{Believed, Distribution, Trial, TrialOutcome, run_all};
-use files::range::within;
+use emulator::trials::{RigTrials, Trials, TrialsRequest};
 use files::words::count;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
-
-/// Rig time of a trial, s: from 20 s, in which every trial should hold, to an hour.
-const DURATION_S: (f64, f64) = (20.0, 3600.0);
-/// Most trials of one command.
-const MOST: u32 = 100_000;
 
 /// Run the controller on many rigs that differ at random from its settings: time to Hold, and force
 #[derive(Debug, clap::Args)]
@@ -55,82 +45,39 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
-/// All trials of a rig, or of all.
-#[derive(Serialize)]
-struct Line {
-    rig: String,
-    #[serde(flatten)]
-    distribution: Distribution,
-}
-
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let (usual, usual_s) = if args.long { (40, 600.0) } else { (200, 60.0) };
-    let (trials, seconds) = (args.count.unwrap_or(usual), args.seconds.unwrap_or(usual_s));
-    let (least, most) = DURATION_S;
-    within("--seconds", seconds, least, most)?;
-    within("--count", trials, 1, MOST)?;
+    let request = TrialsRequest::new(args.long, args.count, args.seconds, args.seed)?;
     let rigs: Vec<NamedRig> = match &args.rig {
         Some(rig) => vec![rigfile::load(rig, &[])?],
         None => NamedRig::presets(),
     };
-    let believed: Vec<Believed> = rigs.iter().map(Believed::new).collect();
     if let Some(number) = args.show {
-        let text = if args.long {
-            LongTrial::draw(args.seed, number, &believed).to_toml(seconds)
-        } else {
-            Trial::draw(args.seed, number, &believed).to_toml(seconds)
-        };
-        super::terminal::print(&text);
+        super::terminal::print(&request.scenario(args.long, number, &rigs));
         return Ok(());
     }
     let output = &args.output.about(&rigs)?;
-    let what = format!("trials of {seconds} s");
-    let progress = ProgressLine::new(what, u64::from(trials), output.quiet);
+    let what = format!("trials of {} s", request.seconds);
+    let progress = ProgressLine::new(what, u64::from(request.count), output.quiet);
     if args.long {
-        return long::run(args.seed, trials, seconds, &believed, output, &progress);
+        let answer = request.run_long(&rigs, &progress)?;
+        progress.finish();
+        let no_picture = || Ok(Vec::new());
+        return output.answer(&answer, &answer.trials, no_picture, || long::text(&answer));
     }
-    let outcomes = run_all(args.seed, trials, &believed, seconds, &progress)?;
+    let answer = request.run(&rigs, &progress)?;
     progress.finish();
     let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
-    let lines = lines(&names, &outcomes);
-    let answer = json!({
-        "seed": args.seed,
-        "seconds_s": seconds,
-        "distributions": lines,
-        "trials": outcomes,
-    });
-    let picture = || output.picture(&figure(&names, &outcomes, seconds));
-    output.answer(&answer, &outcomes, picture, || {
-        text(outcomes.len(), seconds, args.seed, &lines)
-    })
+    let picture = || output.picture(&figure(&names, &answer.trials, request.seconds));
+    output.answer(&answer, &answer.trials, picture, || text(&answer))
 }
 
-/// Each rig that was tried, then all of them.
-fn lines(rigs: &[&str], outcomes: &[TrialOutcome]) -> Vec<Line> {
-    let of = |rig: &str| {
-        let these = outcomes.iter().filter(|o| o.rig == rig);
-        Line {
-            rig: rig.to_owned(),
-            distribution: Distribution::of(&these.cloned().collect::<Vec<_>>()),
-        }
-    };
-    let mut lines: Vec<Line> = rigs.iter().map(|rig| of(rig)).collect();
-    if rigs.len() > 1 {
-        lines.push(Line {
-            rig: "all".into(),
-            distribution: Distribution::of(outcomes),
-        });
-    }
-    lines
-}
-
-fn text(trials: usize, seconds: f64, seed: u64, lines: &[Line]) -> String {
+fn text(answer: &Trials) -> String {
     let mut text = format!(
         "{} of {} s, seed {}: Hold, s after the start, and force from Hold on over the true optimum's\n\n\
          {:<9} {:>6} {:>5} {:>6} {:>5}  {:>7} {:>7} {:>7}  {:>7} {:>7} {:>7}  {:>8} {:>8}\n",
-        count(trials, "trial"),
-        seconds,
-        seed,
+        count(answer.trials.len(), "trial"),
+        answer.seconds_s,
+        answer.seed,
         "rig",
         "trials",
         "held",
@@ -148,10 +95,10 @@ fn text(trials: usize, seconds: f64, seed: u64, lines: &[Line]) -> String {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("never".to_owned(), |value| format!("{value:.digits$}"))
     };
-    for Line {
+    for RigTrials {
         rig,
         distribution: d,
-    } in lines
+    } in &answer.distributions
     {
         text += &format!(
             "{rig:<9} {:>6} {:>5} {:>6} {:>5}  {:>7} {:>7} {:>7}  {:>7} {:>7} {:>7}  {:>8} {:>8}\n",

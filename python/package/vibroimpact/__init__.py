@@ -32,6 +32,7 @@ from ._analyses import (
     scenarios,
     simulate,
     sweep,
+    trials,
 )
 from ._answers import Pick, Run
 from ._native import Rig, __version__, presets
@@ -67,4 +68,5 @@ __all__ = [
     "scenarios",
     "simulate",
     "sweep",
+    "trials",
 ]

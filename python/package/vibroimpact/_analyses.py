@@ -730,3 +730,36 @@ def emulate(
 def scenarios() -> dict[str, str]:
     """The built-in scenarios: names and descriptions."""
     return dict(_native.scenarios())
+
+
+def trials(
+    rig: Rig | None = None,
+    *,
+    count: int | None = None,
+    seconds: float | None = None,
+    long: bool = False,
+    seed: int = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Runs the board's controller on many rigs that differ at random from its settings: time to Hold, and force.
+
+    Parameters
+    ----------
+    rig:
+        The rig that the settings describe; the four presets in turn if left out.
+    count, seconds:
+        Number of trials, and rig time of each; 200 of 60 s if left out, with ``long`` 40 of 600 s after the start.
+    long:
+        The rigs drift during each trial: natural frequency, a sensor's delay, each sensor's gain.
+    seed:
+        Seed of the random numbers.
+    threads, progress:
+        As in :func:`sweep`; the steps are the trials.
+
+    Returns
+    -------
+    Record
+        Tables ``trials`` (a row for each) and ``distributions`` (each rig, then all); with ``long`` ``campaign`` in its place.
+    """
+    return _native.trials(locals())

@@ -1,38 +1,12 @@
 //! `host-sim trials --long`.
 
-use serde_json::json;
-
-use crate::cli::arguments::output::OutputArgs;
-use crate::progress::ProgressLine;
-use emulator::trials::Believed;
-use emulator::trials::long::{Campaign, LongRow, drift, run_all};
-use files::UserError;
+use emulator::trials::LongTrials;
+use emulator::trials::long::drift;
 use files::words::count;
 
-pub(super) fn run(
-    seed: u64,
-    trials: u32,
-    seconds: f64,
-    rigs: &[Believed],
-    output: &OutputArgs,
-    progress: &ProgressLine,
-) -> Result<(), UserError> {
-    let rows = run_all(seed, trials, rigs, seconds, progress)?;
-    progress.finish();
-    let campaign = Campaign::of(&rows);
-    let answer = json!({
-        "seed": seed,
-        "seconds_s": seconds,
-        "campaign": campaign,
-        "trials": rows,
-    });
-    let no_picture = || Ok(Vec::new());
-    output.answer(&answer, &rows, no_picture, || {
-        text(seed, seconds, &campaign, &rows)
-    })
-}
-
-fn text(seed: u64, seconds: f64, all: &Campaign, rows: &[LongRow]) -> String {
+pub(super) fn text(answer: &LongTrials) -> String {
+    let (seed, seconds) = (answer.seed, answer.seconds_s);
+    let (all, rows) = (&answer.campaign, &answer.trials);
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("never".to_owned(), |value| format!("{value:.digits$}"))
     };
