@@ -131,6 +131,21 @@ def test_orbits(host_sim):
     same(found, expected)
 
 
+@pytest.mark.parametrize("drive", [{"ratio": (2.3, 2.8)}, {"ratio": 2.6, "curve": {"mass_kg": (0.25, 0.35, "log")}}], ids=["one", "two"])
+def test_orbits_over_two_parameters(host_sim, drive):
+    curve = {"gap_mm": (0, 0.5), **drive.pop("curve", {})}
+    found = vi.orbits(WIRES, **drive, curve=curve, periods=1, impacts=1, starts=3, searches=2)
+    ratio = "2.6" if drive["ratio"] == 2.6 else "2.3:2.8"
+    both = ["--curve", "mass_kg=0.25:0.35:log"] if len(curve) == 2 else []
+    expected = host_sim(
+        "orbits", "--curve", "gap_mm=0:0.5", *both, "--ratio", ratio, "--periods", 1, "--impacts", 1, "--starts", 3, "--searches", 2
+    )
+    assert found.points.rows > 0
+    for name in ["curves", "codimension_two", "points"]:
+        same_rows(found[name], expected.pop(name))
+    same(found, expected)
+
+
 def test_poincare_and_lyapunov(host_sim):
     found = vi.poincare(WIRES, ratio=2.7, gap_mm=2.4, points=200, transient=50)
     exponents = vi.lyapunov(WIRES, ratio=2.7, gap_mm=2.4, periods=200, transient=50)

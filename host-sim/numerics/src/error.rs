@@ -128,6 +128,9 @@ pub enum Error {
     /// A map cannot be made so.
     #[error(transparent)]
     Map(#[from] MapError),
+    /// There is no such plane of two parameters.
+    #[error(transparent)]
+    Plane(#[from] PlaneError),
     /// Basins cannot be computed so.
     #[error(transparent)]
     Basins(#[from] BasinsError),
@@ -258,6 +261,22 @@ pub enum MotionError {
         /// Width of the smoothing, m.
         width_m: f64,
     },
+}
+
+/// Why a plane of two parameters cannot be.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlaneError {
+    /// Both are the same.
+    #[error("--curve {0}: the two parameters must differ")]
+    Same(&'static str),
+    /// The rig has no such numbers.
+    #[error(
+        "--curve: this rig's support, contact law or cart has no {0}; change the rig or the parameter"
+    )]
+    NotOfRig(String),
+    /// There is no rig at a corner.
+    #[error("--curve: {0}")]
+    Parameter(#[from] ParamError),
 }
 
 /// Why a map cannot be made.

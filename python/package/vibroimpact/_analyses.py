@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal, Union
 
 import numpy as np
@@ -379,6 +379,8 @@ def orbits(
     impacts: int = 2,
     starts: int = 40,
     checks: int | None = None,
+    curve: Mapping[str, tuple[float, float] | tuple[float, float, str]] | None = None,
+    searches: int = 5,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Record:
@@ -395,12 +397,18 @@ def orbits(
         As in :func:`simulate`.
     starts, checks:
         Values at which simulations look for orbits, and at which they check that none was missed.
+    curve:
+        Follows period doublings, folds and grazes over two parameters: ``{"gap_mm": (0, 3)}`` over the frequency and this number of the
+        rig, two entries over these two at one frequency. ``(1e6, 1e8, "log")`` goes by factors.
+    searches:
+        Values of the second parameter of ``curve`` at which the search for orbits begins.
 
     Returns
     -------
     Record
         ``branches`` (each with its range, stable stretches and ends), tables ``special_points`` and ``orbits`` (a row for each orbit
-        and strobe, with both multipliers), and ``seen_elsewhere``: regimes that simulations settled on off these branches.
+        and strobe, with both multipliers), and ``seen_elsewhere``: regimes that simulations settled on off these branches. With ``curve`` the tables
+        ``curves``, ``codimension_two`` and ``points``.
     """
     return _native.orbits(locals())
 

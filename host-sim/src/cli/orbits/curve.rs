@@ -7,9 +7,9 @@ use crate::pictures;
 use crate::progress::ProgressLine;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
+use numerics::continuation::FamilyDrive;
 use numerics::continuation::two::table::{CurvePointRow, CurvesAnswer, TwoParameterCurveRow};
-use numerics::continuation::two::{Condition, Dimension, Plane, Varied, followed, seeds};
-use numerics::continuation::{FamilyDrive, OrbitsRequest};
+use numerics::continuation::two::{Condition, CurvesRequest, Dimension, Plane, Varied};
 use numerics::knob::Knob;
 use plot::chart::Chart;
 
@@ -61,30 +61,19 @@ pub fn parse_curve(text: &str) -> Result<CurveOver, String> {
 /// # Errors
 /// If the request makes no sense, a rig cannot be, or the work is interrupted.
 pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
-    let plane = plane(args, rig)?;
-    let search = OrbitsRequest {
-        along: numerics::continuation::Along::Frequency,
-        limits: (0.0, 0.0),
-        periods: args.periods,
-        impacts: args.impacts,
-        starts: usize::from(args.starts),
-        checks: args.checks.map_or(0, usize::from),
+    let (starts, checks) = (usize::from(args.starts), args.checks.map_or(0, usize::from));
+    let request = CurvesRequest {
+        plane: plane(args, rig)?,
+        search: CurvesRequest::search(args.periods, args.impacts, starts, checks),
+        searches: usize::from(args.searches),
     };
-    let values = plane.dimensions[1].spread(usize::from(args.searches));
-    let steps = search.simulations() * values.len() as u64;
-    let progress = ProgressLine::new("starts", steps, output.quiet);
-    let found = seeds(&plane, &values, &search, &progress)?;
+    request.check()?;
+    let progress = ProgressLine::new("starts", request.simulations(), output.quiet);
+    let found = request.seeds(&progress)?;
     progress.finish();
     let progress = ProgressLine::new("special points", found.seeds.len() as u64, output.quiet);
-    let curves = followed(&found.seeds, &progress)?;
+    let answer = request.curves(&rig.name, &found, &progress)?;
     progress.finish();
-    let answer = CurvesAnswer {
-        searched_at: values.into_iter().map(numerics::row::tidy).collect(),
-        not_followed: found.refused,
-        simulations: found.simulations,
-        failed_simulations: found.failed,
-        ..CurvesAnswer::new(&rig.name, &plane, &curves)
-    };
     if answer.not_followed > 0 {
         output.note(&format!(
             "note: from {} of {} special points no curve could be followed",
@@ -92,7 +81,7 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
             answer.not_followed + found.seeds.len()
         ));
     }
-    let picture = || output.picture(&pictures::two::figure(&rig.name, &plane, &answer));
+    let picture = || output.picture(&pictures::two::figure(&rig.name, &request.plane, &answer));
     output.answer(&answer, &answer.points, picture, || text(&answer))
 }
 
@@ -132,20 +121,11 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
             ));
         }
     };
-    let second_dimension = of(second);
-    if first.varied == second_dimension.varied {
-        return Err(UserError::new(format!(
-            "--curve {}: the two parameters must differ",
-            second.knob.name()
-        )));
-    }
-    let plane = Plane {
+    Ok(Plane {
         params: *params,
         drive: drive(args, first.varied)?,
-        dimensions: [first, second_dimension],
-    };
-    check(&plane)?;
-    Ok(plane)
+        dimensions: [first, of(second)],
+    })
 }
 
 /// The drive, where neither parameter is the drive's.
@@ -155,24 +135,6 @@ fn drive(args: &Args, first: Varied) -> Result<FamilyDrive, UserError> {
     }
     let two = "two parameters of the rig";
     one_drive(args, two, &format!("a curve over {two}"))
-}
-
-/// Whether there is a rig at every corner of the plane.
-fn check(plane: &Plane) -> Result<(), UserError> {
-    let [first, second] = plane.dimensions;
-    for a in [first.range.0, first.range.1] {
-        for b in [second.range.0, second.range.1] {
-            let Some((params, _)) = plane.at([a, b]) else {
-                let names = [first, second].map(|d| d.varied.name()).join(" and ");
-                return Err(UserError::new(format!(
-                    "--curve: this rig's support, contact law or cart has no {names}; change the rig or the parameter"
-                )));
-            };
-            let checked = params.check();
-            checked.map_err(|error| UserError::from(error).at("--curve"))?;
-        }
-    }
-    Ok(())
 }
 
 fn text(answer: &CurvesAnswer) -> String {

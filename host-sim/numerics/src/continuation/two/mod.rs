@@ -11,6 +11,7 @@
 //! - `follow`: steps from point to point, and what ends a curve.
 //! - `marks`: points of codimension two on a curve.
 //! - [`starts`]: special points of one-parameter curves, from which the curves begin.
+//! - [`request`]: what is asked for, and the way to the answer.
 //! - [`table`]: the results as tables.
 
 mod conditions;
@@ -19,6 +20,7 @@ mod graze;
 mod marks;
 mod newton;
 pub mod plane;
+pub mod request;
 pub mod starts;
 pub mod table;
 #[cfg(test)]
@@ -35,6 +37,7 @@ use conditions::System;
 
 pub use follow::{follow, followed};
 pub use plane::{Dimension, Plane, Scale, Varied};
+pub use request::CurvesRequest;
 pub use starts::{Seed, seeds};
 
 /// What holds along a curve.
