@@ -138,9 +138,12 @@ fn drive(args: &Args, first: Varied) -> Result<FamilyDrive, UserError> {
 }
 
 fn text(answer: &CurvesAnswer) -> String {
+    let values: Vec<_> = answer.searched_at.iter().map(f64::to_string).collect();
+    let searched = format!("{} {}", answer.parameter_2, values.join(", "));
     if answer.curves.is_empty() {
-        return "no special point was found; widen the ranges, or raise --searches, --starts, --periods or --impacts\n"
-            .to_owned();
+        return format!(
+            "no special point was found at {searched}; widen the ranges, or raise --searches, --starts, --periods or --impacts\n"
+        );
     }
     let mut text = format!(
         "{}, {}: special points over two parameters\n\n{:<20} {:<6} {:>6}  {:<26} {:<30} ends\n",
@@ -164,7 +167,9 @@ fn text(answer: &CurvesAnswer) -> String {
     for point in &answer.codimension_two {
         text += &mark_line(point);
     }
-    text += "\np/n of a graze: contacts without the touch\n\n";
+    text += &format!(
+        "\np/n of a graze: contacts without the touch\nsearched at {searched} (--searches)\n\n"
+    );
     let mut chart = Chart::new(answer.parameter_2, answer.parameter_1);
     for condition in Condition::ALL {
         let points = answer.points.iter().filter(|p| p.condition == condition);
