@@ -139,16 +139,15 @@ pub fn trials(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
         Some(rig) => vec![rig.named.clone()],
         None => NamedRig::presets(),
     };
-    let long = asked.take("long")?;
     let request = TrialsRequest::new(
-        long,
+        asked.take("long")?,
         asked.take("count")?,
         asked.take("seconds")?,
         asked.take("seed")?,
     );
     let request = request.map_err(from_user)?;
     let steps = u64::from(request.count);
-    let (found, table) = if long {
+    let (found, table) = if request.long {
         let found = asked.run(steps, |watch| Ok(request.run_long(&rigs, watch)))?;
         let found = found.map_err(from_user)?;
         (fields(py, &found)?, table(py, &found.trials)?)

@@ -9,6 +9,7 @@ use numerics::knob::Knob;
 use numerics::progress::WithinStep;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use shared::model::params::RigParams;
 
 use crate::arguments::{Keywords, choice, two_frequencies};
 use crate::error::{from_numerics, wrong};
@@ -46,10 +47,7 @@ pub fn orbits(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
         "frequency" => {
             match gap_mm.as_deref() {
                 None => {}
-                Some([mm]) => {
-                    let there = rig.params.with_gap_mm(*mm);
-                    rig.params = there.map_err(|e| from_numerics(e.into()))?;
-                }
+                Some([mm]) => rig.params = at_gap(&rig, *mm)?,
                 Some(_) => return Err(wrong("gap_mm must be one number with along=\"frequency\"")),
             }
             let usual = [0.8, 4.0];
@@ -76,8 +74,7 @@ pub fn orbits(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
             let usual = [0.0, 3.56];
             let (from, to) = pair("gap_mm", gap_mm.as_deref().unwrap_or(&usual))?;
             for mm in [from, to] {
-                let there = rig.params.with_gap_mm(mm);
-                there.map_err(|e| from_numerics(e.into()))?;
+                at_gap(&rig, mm)?;
             }
             let amplitude_mm = rig.params.amplitude_m * 1e3;
             (Along::Gap(hz), (from / amplitude_mm, to / amplitude_mm))
@@ -103,6 +100,12 @@ pub fn orbits(asked: Keywords<'_>) -> PyResult<Bound<'_, PyAny>> {
     record(whole)
 }
 
+/// The parameters of `rig` with another gap.
+fn at_gap(rig: &NamedRig, mm: f64) -> PyResult<RigParams> {
+    let there = rig.params.with_gap_mm(mm);
+    there.map_err(|e| from_numerics(e.into()))
+}
+
 /// A range that rises.
 fn pair(argument: &str, values: &[f64]) -> PyResult<(f64, f64)> {
     match values {
@@ -126,10 +129,7 @@ fn plane(
     }
     match gap_mm {
         None => {}
-        Some([mm]) if !curve.contains("gap_mm")? => {
-            let there = rig.params.with_gap_mm(*mm);
-            rig.params = there.map_err(|e| from_numerics(e.into()))?;
-        }
+        Some([mm]) if !curve.contains("gap_mm")? => rig.params = at_gap(rig, *mm)?,
         Some(_) => {
             return Err(wrong(
                 "gap_mm must be one number, and left out with a curve over the gap",

@@ -91,6 +91,7 @@ def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
         (lambda: vi.orbits(WIRES, curve={"damping_ratio": (0, 0.1)}), ["curve", "damping_ratio"]),
         (lambda: vi.orbits(WIRES, curve={"mass_kg": (0.2, 0.4), "gap_mm": (0, 1)}), ["ratio or frequency_hz"]),
         (lambda: vi.orbits(WIRES, curve={}), ["one or two"]),
+        (lambda: vi.orbits(WIRES, curve={"gap_mm": (0, 3)}, searches=10**9), ["searches", "200"]),
         (lambda: vi.orbits(WIRES, curve={"gap_mm": (0, 3)}, along="gap"), ["along"]),
         (lambda: vi.emulate(samples_per_second=10**6), ["samples_per_second"]),
         (lambda: vi.drill(WIRES, threshold_n=-5), ["-5"]),
@@ -134,7 +135,16 @@ def test_what_a_progress_callback_raises_ends_the_work():
         vi.basins(WIRES, ratio=2.02, gap_mm=1, grid=400, progress=give_up)
 
 
-@pytest.mark.parametrize("work", [lambda: vi.map(WIRES, engine="reference"), lambda: vi.emulate("softening")], ids=["map", "emulate"])
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda: vi.map(WIRES, engine="reference"),
+        lambda: vi.emulate("softening"),
+        lambda: vi.trials(count=1000),
+        lambda: vi.orbits(WIRES, curve={"gap_mm": (0, 3)}, searches=200),
+    ],
+    ids=["map", "emulate", "trials", "curves"],
+)
 def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile(work):
     began = time.monotonic()
     ran = threading.Event()

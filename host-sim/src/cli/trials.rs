@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         None => NamedRig::presets(),
     };
     if let Some(number) = args.show {
-        super::terminal::print(&request.scenario(args.long, number, &rigs));
+        super::terminal::print(&request.scenario(number, &rigs));
         return Ok(());
     }
     let output = &args.output.about(&rigs)?;

@@ -23,6 +23,8 @@ pub struct TrialsRequest {
     pub seconds: f64,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Whether the trials are long ones.
+    pub long: bool,
 }
 
 impl TrialsRequest {
@@ -42,13 +44,14 @@ impl TrialsRequest {
             seconds: within("--seconds", seconds.unwrap_or(usual_s), least, most)?,
             count: within("--count", count.unwrap_or(usual), 1, MOST)?,
             seed,
+            long,
         })
     }
 
     /// Trial `number` on `rigs` as a scenario file.
-    pub fn scenario(&self, long: bool, number: u32, rigs: &[NamedRig]) -> String {
+    pub fn scenario(&self, number: u32, rigs: &[NamedRig]) -> String {
         let believed = believed(rigs);
-        if long {
+        if self.long {
             LongTrial::draw(self.seed, number, &believed).to_toml(self.seconds)
         } else {
             Trial::draw(self.seed, number, &believed).to_toml(self.seconds)
@@ -62,17 +65,17 @@ impl TrialsRequest {
     pub fn run(&self, rigs: &[NamedRig], progress: &dyn Progress) -> Result<Trials, UserError> {
         let believed = believed(rigs);
         let trials = run_all(self.seed, self.count, &believed, self.seconds, progress)?;
-        let of = |rig: &str, is: &dyn Fn(&TrialOutcome) -> bool| {
-            let these = trials.iter().filter(|o| is(o));
-            RigTrials {
-                rig: rig.to_owned(),
-                distribution: Distribution::of(&these.cloned().collect::<Vec<_>>()),
-            }
+        let of = |rig: &str, these: &[TrialOutcome]| RigTrials {
+            rig: rig.to_owned(),
+            distribution: Distribution::of(these),
         };
-        let own = rigs.iter().map(|r| of(&r.name, &|o| o.rig == r.name));
-        let mut distributions: Vec<_> = own.collect();
+        let own = |rig: &NamedRig| {
+            let these = trials.iter().filter(|o| o.rig == rig.name);
+            of(&rig.name, &these.cloned().collect::<Vec<_>>())
+        };
+        let mut distributions: Vec<_> = rigs.iter().map(own).collect();
         if rigs.len() > 1 {
-            distributions.push(of("all", &|_| true));
+            distributions.push(of("all", &trials));
         }
         Ok(Trials {
             seed: self.seed,

@@ -197,6 +197,16 @@ pub fn shoot_at(
     shoot_to(Exactness::FULL, params, frequency_hz, guess, periods)
 }
 
+/// The stable 1/1 near `guess`, for one rig of many.
+pub(crate) fn stable_of_many(
+    params: &RigParams,
+    frequency_hz: f64,
+    guess: Section,
+) -> Option<Orbit> {
+    let found = shoot_to(Exactness::OF_MANY, params, frequency_hz, guess, 1);
+    found.filter(Orbit::is_stable_one_one)
+}
+
 /// [`shoot_at`] to this `exactness` instead of the full one.
 pub(crate) fn shoot_to(
     exactness: Exactness,

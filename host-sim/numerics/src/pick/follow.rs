@@ -6,7 +6,7 @@ use shared::model::params::RigParams;
 use super::search::{follow_member, own_branch};
 use crate::branch::{Branch, BranchEnd};
 use crate::interpolation::{around, polynomial};
-use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
+use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to, stable_of_many};
 use crate::parallel;
 use crate::sweep::spread;
 use crate::uncertainty::Member;
@@ -81,7 +81,7 @@ impl Followed {
             let own = self.member.apply(nominal, 1.0);
             let at = orbit.at();
             let guess = [0, 1, 2, 3].map(|i| at[i] + known.beside[i]);
-            shoot_to(Exactness::OF_MANY, &own, hz, guess, 1).filter(Orbit::is_stable_one_one)
+            stable_of_many(&own, hz, guess)
         });
         let followed = || follow_member(nominal, &self.member, orbit, hz);
         known.or_else(followed).filter(Orbit::is_stable_one_one)

@@ -7,7 +7,7 @@ use shared::model::params::{RigParams, SupportParams};
 
 use crate::branch::{Case, beside};
 use crate::interpolation::around;
-use crate::orbit::{Exactness, Orbit, shoot_to};
+use crate::orbit::{Orbit, stable_of_many};
 use crate::parallel;
 use crate::root::{halved, maximum, vertex};
 use crate::uncertainty::Uncertainty;
@@ -337,8 +337,7 @@ fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
     /// through the three best comes nearer.
     const NEAR: f64 = 1e-4;
     let hz = best.frequency_hz;
-    let mut known =
-        vec![shoot_to(Exactness::OF_MANY, rig, hz, best.at(), 1).filter(Orbit::is_stable_one_one)?];
+    let mut known = vec![stable_of_many(rig, hz, best.at())?];
     let within = (0.95 * hz, 1.05 * hz);
     let value = |hz| force_beside(rig, &mut known, hz).unwrap_or(f64::NEG_INFINITY);
     maximum(value, within, NEAR * hz, hz);
@@ -363,8 +362,7 @@ fn force_beside(rig: &RigParams, known: &mut Vec<Orbit>, hz: f64) -> Option<f64>
     }
     let near = around(known, hz, 2, |o| o.frequency_hz);
     let near: Vec<_> = near.iter().map(RigParams::place).collect();
-    let found = shoot_to(Exactness::OF_MANY, rig, hz, beside(&near, hz), 1)
-        .filter(Orbit::is_stable_one_one)?;
+    let found = stable_of_many(rig, hz, beside(&near, hz))?;
     let force_n = found.force_n;
     known.insert(above, found);
     Some(force_n)

@@ -6,6 +6,7 @@ use super::{Dimension, Plane, followed};
 use crate::continuation::{Along, OrbitsRequest};
 use crate::error::{Error, PlaneError};
 use crate::progress::Progress;
+use crate::range::within;
 use crate::row::tidy;
 
 /// Curves over a plane of two parameters.
@@ -39,6 +40,7 @@ impl CurvesRequest {
     /// If there is none, the two parameters are one, or a number of the search is out of its range.
     pub fn check(&self) -> Result<(), Error> {
         self.search.check()?;
+        within([("searches", self.searches as f64, 1.0, 200.0)])?;
         let [first, second] = self.plane.dimensions;
         if first.varied == second.varied {
             return Err(PlaneError::Same(second.varied.name()).into());
