@@ -127,7 +127,7 @@ impl TrajectoryObserver for Residuals {
             let (ki, ci) = (5.5e6, 1.2e3);
             let acceleration = s
                 .rig
-                .penetration_acceleration(&at, s.start.v, s.start_acceleration);
+                .penetration_acceleration(&at, s.start.v, s.accelerations()[0]);
             let rate = ki * at.rate + ci * acceleration;
             (s.rig.force(&at, s.approach) / rate).abs()
         };

@@ -16,6 +16,9 @@ pub trait Scalar: Real {
     #[must_use]
     fn scaled(self, factor: f64) -> Self;
 
+    /// The derivatives it carries.
+    fn derivatives(&self) -> &[f64];
+
     /// A time found as the root of `g`, given dg/dt there: for a dual number, the root's derivatives.
     #[must_use]
     fn as_root_of(self, g: Self, slope: f64) -> Self;
@@ -33,6 +36,10 @@ impl Scalar for f64 {
     #[inline]
     fn scaled(self, factor: f64) -> Self {
         self * factor
+    }
+    #[inline]
+    fn derivatives(&self) -> &[f64] {
+        &[]
     }
     #[inline]
     fn as_root_of(self, _: Self, _: f64) -> Self {
@@ -54,6 +61,10 @@ impl<const N: usize> Scalar for Dual<N> {
     #[inline]
     fn scaled(self, factor: f64) -> Self {
         self.chain(self.re * factor, factor)
+    }
+    #[inline]
+    fn derivatives(&self) -> &[f64] {
+        &self.eps
     }
     fn as_root_of(self, g: Self, slope: f64) -> Self {
         // g(t, x) = 0 along the family: dt/dx = −(∂g/∂x)/(dg/dt).

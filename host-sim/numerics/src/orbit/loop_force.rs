@@ -7,7 +7,7 @@ use super::Orbit;
 use crate::reference::{Reference, Segment, TrajectoryObserver};
 
 /// Points of a smooth piece at which the force is taken, beside its start.
-const POINTS: u32 = 4;
+const POINTS: u32 = 16;
 
 /// The largest force of the position loop over a period of `orbit`, N, either way. None with a prescribed cart, and where
 /// the motion cannot be followed.

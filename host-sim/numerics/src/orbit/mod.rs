@@ -166,8 +166,8 @@ impl Exactness {
     };
     /// Its force to some 1e-7, for one rig of many.
     pub(crate) const OF_MANY: Self = Self {
-        tolerance: 1e-8,
-        closure: 1e-7,
+        tolerance: 1e-10,
+        closure: 1e-8,
         near: false,
     };
     /// To what a picture shows.

@@ -75,15 +75,13 @@ impl OrbitWatch {
 
     fn flight(&mut self, segment: &Segment) {
         let at = |q: f64, v: f64| segment.rig.kinematics(q, v);
-        for point in [segment.start, segment.end] {
-            let here = at(point.q, point.v);
+        let ends = [segment.start, segment.end].map(|p| at(p.q, p.v));
+        for here in ends {
             if here.rate > 0.0 {
                 self.deepest_flight_m = self.deepest_flight_m.max(here.delta);
             }
         }
-        let rises = at(segment.start.q, segment.start.v).rate > 0.0;
-        let falls = at(segment.end.q, segment.end.v).rate <= 0.0;
-        if !(rises && falls) {
+        if !(ends[0].rate > 0.0 && ends[1].rate <= 0.0) {
             return;
         }
         // The top of the flight within this piece, where δ̇ passes 0.

@@ -7,7 +7,7 @@ use shared::model::regime::Detector;
 use shared::model::rig::Rig;
 
 use super::cloud::apart;
-use super::{Portrait, SectionPoint, SectionRequest, portrait};
+use super::{Portrait, SectionPoint, SectionRequest, sections};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
 use crate::parallel;
@@ -82,7 +82,7 @@ impl SectionComparison {
 /// Runs the request's section at drive phase 0 by the switch and by the smoothing method at each width (m).
 ///
 /// # Errors
-/// As [`portrait`] and [`Reference::smoothed`].
+/// As [`super::portrait`] and [`Reference::smoothed`].
 pub fn against(
     request: &SectionRequest,
     widths_m: &[f64],
@@ -103,10 +103,12 @@ pub fn against(
         start: crate::engine::Start::Section([q - 0.01 * rig.coordinate_scale(), v]),
         ..request.clone()
     };
+    // The same steps as with the smoothing method, so that their numbers tell of the equations alone.
+    let switch = |request| sections(request, Reference::in_steps, progress);
     let (exact, (again, smoothed)) = rayon::join(
-        || portrait(&request, progress),
+        || switch(&request),
         || {
-            let again = portrait(&other, progress);
+            let again = switch(&other);
             let run = |width: &f64| run(&request, *width, progress);
             (again, parallel::try_map(&widths, run))
         },

@@ -132,6 +132,15 @@ impl TrajectoryObserver for Strober<'_> {
 /// If a parameter, the frequency, the start or a phase is out of range, or if the hammer leaves what the model
 /// describes, or if the work is interrupted.
 pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Portrait, Error> {
+    sections(request, |hammer| hammer, progress)
+}
+
+/// [`portrait`] of a hammer that is followed `by` some method.
+fn sections(
+    request: &SectionRequest,
+    by: fn(Reference<f64>) -> Reference<f64>,
+    progress: &dyn Progress,
+) -> Result<Portrait, Error> {
     let SectionRequest {
         params,
         frequency_hz,
@@ -141,7 +150,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
     let rig = Rig::<f64>::new(params)?;
     let omega = TAU * frequency_hz;
     let [q, v] = request.start.section(&rig, omega)?;
-    let mut hammer = Reference::<f64>::new(params, *frequency_hz, q, v)?;
+    let mut hammer = by(Reference::<f64>::new(params, *frequency_hz, q, v)?);
     for _ in 0..request.transient {
         check(progress)?;
         hammer.run_period(&mut ());

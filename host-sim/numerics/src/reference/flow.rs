@@ -6,7 +6,7 @@ use shared::model::step::Smoothed;
 
 use super::switching;
 use crate::flow::dormand_prince::{combined, length};
-use crate::flow::{Flow, FlowStep, Scalar};
+use crate::flow::{Flow, FlowStep, Scalar, reached};
 
 /// Integrated beside the motion: where energy and momentum went since the last reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -251,6 +251,7 @@ impl<R: Scalar> Flow<4> for HammerFlow<'_, R> {
             return None;
         }
         let at = switching::locate(&self.in_values(), &from.in_values(), h, &end.in_values())?;
-        Some(((), switching::instant(self, from, at)))
+        let reached = |tau| reached(self, from, tau);
+        Some(((), switching::instant(self, reached, at)))
     }
 }

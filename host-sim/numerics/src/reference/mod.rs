@@ -1,14 +1,16 @@
 //! The reference: an event-located integrator in f64, written for truth, not for speed.
 //!
 //! It shares the rigs' equations of motion and the contact laws with `shared`, and nothing else: its own
-//! time (seconds since drive phase 0), its own integrator ([`crate::flow`], adaptive, order 8), its own location
-//! of switches ([`switching`], to 1e-13 s by Newton's iteration on the integrator itself, grazing-safe).
+//! time (seconds since drive phase 0), its own integrators, its own location of switches ([`switching`], to 1e-13 s by
+//! Newton's iteration on the motion itself, grazing-safe). It is followed by power series where the equations are analytic,
+//! and by Runge–Kutta steps ([`crate::flow`], adaptive, order 8) elsewhere; the tests compare both.
 //!
 //! Integrated in [`crate::dual::Dual`] numbers it yields the derivative of the section's return map along
 //! with the map, event times included, which is the monodromy matrix with its saltation.
 
 pub mod flow;
 mod observer;
+mod series;
 mod smoothed;
 pub mod switching;
 
@@ -20,11 +22,13 @@ use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Rig, SwitchMode};
 use shared::model::step::Smoothed;
 
-use crate::flow::{Pace, Scalar, StepEnded};
+use crate::flow::{Pace, Scalar, StepEnded, reached};
 pub use flow::{FlowPoint, FlowTotals};
 pub use observer::{LocatedContact, Segment, TrajectoryObserver};
 
-use flow::{HammerFlow, HammerStep};
+use flow::HammerFlow;
+use observer::Within;
+use series::Equations;
 
 /// Errors of coordinate and rate are kept below this share of A0 and A0 Ω per step.
 pub const TOLERANCE: f64 = 1e-12;
@@ -34,6 +38,9 @@ const FIRST_STEP_S: f64 = 1e-5;
 
 /// Steps per period of the faster of drive and hammer, at least.
 const STEPS_PER_PERIOD: f64 = 24.0;
+
+/// Pieces of what a power series reaches in which a switch is looked for, at least.
+const PIECES: f64 = 4.0;
 
 /// Steps after which a period is given up. Chatter needs some thousands; a hammer that was started deep
 /// inside the surface, or swung over the top, never ends.
@@ -59,6 +66,8 @@ pub struct Reference<R> {
     approach: R,
     /// Arctangents in place of the switch.
     smoothed: Option<Smoothed<R>>,
+    /// The equations of a motion that is followed by its power series where they are analytic.
+    equations: Option<Equations>,
     cycle: u64,
     pace: Pace,
     open: Option<LocatedContact>,
@@ -110,6 +119,7 @@ impl<R: Scalar> Reference<R> {
             omega,
             period_s: 1.0 / frequency_hz,
             max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
+            equations: Some(Equations::new(params, omega)),
             ..hammer
         })
     }
@@ -130,6 +140,7 @@ impl<R: Scalar> Reference<R> {
             mode: SwitchMode::Flight,
             approach: rig.kinematics(q, v).rate.max(R::ZERO),
             smoothed: None,
+            equations: None,
             cycle: 0,
             pace: Pace::new(FIRST_STEP_S),
             open: None,
@@ -147,6 +158,13 @@ impl<R: Scalar> Reference<R> {
             open.onset_s = self.point.t.to_f64();
             open.peak_at_s = open.onset_s;
         }
+        self
+    }
+
+    /// This hammer followed by Runge–Kutta steps alone, on both sides of the switch and for every contact law.
+    #[must_use]
+    pub fn in_steps(mut self) -> Self {
+        self.equations = None;
         self
     }
 
@@ -293,11 +311,28 @@ impl<R: Scalar> Reference<R> {
         period: &mut Period<f64>,
         observer: &mut impl TrajectoryObserver,
     ) -> Option<StepEnded<()>> {
+        if let Some(equations) = self.equations.filter(|e| e.hold(self.mode)) {
+            return self.advance_in_series(&equations, end_s, most, period, observer);
+        }
         let mut pace = self.pace;
         let advanced = pace.advance(&self.flow(), &self.point, end_s, self.max_step, most);
         self.pace = pace;
         let (step, ended) = advanced?;
-        self.accept(&step, period, observer);
+        let flow = self.flow().in_values();
+        let (start, end) = (self.point.in_values(), step.end.in_values());
+        let accelerations = [start, end].map(|p| flow.acceleration(&p).0);
+        let peak = (self.mode == SwitchMode::Contact).then(|| {
+            let reached = |tau| reached(&flow, &start, tau);
+            switching::force_peak(&flow, (&start, &end), reached)
+        });
+        self.tell(
+            (start, end),
+            Within::Ends(accelerations),
+            peak,
+            period,
+            observer,
+        );
+        self.enter(&step.totals, step.end, period);
         if ended == StepEnded::Switched(()) {
             self.switch(period, observer);
         }
@@ -309,30 +344,99 @@ impl<R: Scalar> Reference<R> {
         self.cycle as f64 * self.period_s + self.point.t.to_f64()
     }
 
-    fn accept(
+    /// [`Self::advance`] where the equations of motion are analytic: as far as a power series reaches.
+    fn advance_in_series(
         &mut self,
-        step: &HammerStep<R>,
+        equations: &Equations,
+        end_s: f64,
+        most: u64,
+        period: &mut Period<f64>,
+        observer: &mut impl TrajectoryObserver,
+    ) -> Option<StepEnded<()>> {
+        if self.pace.tried >= most {
+            return None;
+        }
+        self.pace.tried += 1;
+        let before = *self;
+        let flow = before.flow();
+        let series = equations.series(&before.rig, self.mode, &before.point);
+        let (values, plain) = (series.in_values(), flow.in_values());
+        let reach = series.reach(
+            self.tolerance,
+            flow.units,
+            flow.recoil.map(|(_, units)| units),
+        );
+        let mut start = before.point.in_values();
+        let to_go = end_s - start.t;
+        let whole = reach.min(to_go);
+        let pieces = (whole / self.max_step).ceil().max(PIECES);
+        let piece = whole / pieces;
+        // A reach that is no number leaves none.
+        let (mut switched, mut was) = (None, values.penetration(0.0));
+        for k in 0..pieces as u32 {
+            let after = f64::from(k) * piece;
+            let mut end = values.point(after + piece);
+            let near = values.penetration(after + piece);
+            if self.mode == SwitchMode::Contact || !switching::out_of_reach(was, piece, near) {
+                let ends = (&start, &end);
+                let left = switching::locate_in(&plain, &values, ends, (after, piece));
+                switched = left.map(|at| after + at);
+            }
+            was = near;
+            if let Some(at) = switched {
+                end = values.point(at);
+            }
+            let peak = (self.mode == SwitchMode::Contact).then(|| {
+                let reached = |tau| values.point(after + tau);
+                switching::force_peak(&plain, (&start, &end), reached)
+            });
+            self.tell(
+                (start, end),
+                Within::Series(&values),
+                peak,
+                period,
+                observer,
+            );
+            if switched.is_some() {
+                break;
+            }
+            start = end;
+        }
+        let (length, ended) = if let Some(at) = switched {
+            let at = switching::instant(&flow, |tau| series.point(tau), at);
+            (at, StepEnded::Switched(()))
+        } else if to_go <= reach {
+            (R::from_f64(end_s) - before.point.t, StepEnded::AtStop)
+        } else {
+            (R::from_f64(whole), StepEnded::Within)
+        };
+        self.enter(
+            &values.totals(length.to_f64()),
+            series.point(length),
+            period,
+        );
+        if switched.is_some() {
+            self.switch(period, observer);
+        }
+        Some(ended)
+    }
+
+    /// Tells of a smooth piece of the motion; in contact, `peak` is when and how large its force was at its largest.
+    fn tell(
+        &mut self,
+        (start, end): (FlowPoint<f64>, FlowPoint<f64>),
+        within: Within,
+        peak: Option<(f64, f64)>,
         period: &mut Period<f64>,
         observer: &mut impl TrajectoryObserver,
     ) {
-        let flow = self.flow().in_values();
-        let (start, end) = (self.point.in_values(), step.end.in_values());
-        let (start_acceleration, _) = flow.acceleration(&start);
-        let (end_acceleration, _) = flow.acceleration(&end);
-        if self.mode == SwitchMode::Contact {
-            let (peak_at, peak) = switching::force_peak(&flow, &start, &end);
+        if let Some((peak_at, peak)) = peak {
             let began = self.cycle as f64 * self.period_s;
-            if let Some(open) = &mut self.open {
-                if peak > open.peak_force_n {
-                    open.peak_force_n = peak;
-                    open.peak_at_s = began + peak_at;
-                }
-                open.duration_s += end.t - start.t;
-                open.impulse_n_s += step.totals.impulse;
-                open.energy_lost_j += step.totals.contact_work;
-                let third = self.recent[2];
-                period.chatter |= open.duration_s > SUSTAINED_CONTACT_S
-                    && third.is_some_and(|third| open.onset_s - third < self.period_s);
+            if let Some(open) = &mut self.open
+                && peak > open.peak_force_n
+            {
+                open.peak_force_n = peak;
+                open.peak_at_s = began + peak_at;
             }
             period.touched = true;
             period.peak_force = period.peak_force.max(peak);
@@ -344,15 +448,27 @@ impl<R: Scalar> Reference<R> {
             mode: self.mode,
             approach: self.approach.to_f64(),
             start,
-            start_acceleration,
             end,
-            end_acceleration,
+            within,
         });
-        self.totals.add(&step.totals, 1.0);
-        self.point = step.end;
+    }
+
+    /// Enters a step that ended at `end`.
+    fn enter(&mut self, totals: &FlowTotals, end: FlowPoint<R>, period: &mut Period<f64>) {
+        if let Some(open) = &mut self.open {
+            open.duration_s += end.t.to_f64() - self.point.t.to_f64();
+            open.impulse_n_s += totals.impulse;
+            open.energy_lost_j += totals.contact_work;
+            let third = self.recent[2];
+            period.chatter |= open.duration_s > SUSTAINED_CONTACT_S
+                && third.is_some_and(|third| open.onset_s - third < self.period_s);
+        }
+        self.totals.add(totals, 1.0);
+        self.point = end;
     }
 
     fn switch(&mut self, period: &mut Period<f64>, observer: &mut impl TrajectoryObserver) {
+        self.pace.next = FIRST_STEP_S;
         match self.mode {
             SwitchMode::Flight => self.begin_contact(period),
             SwitchMode::Contact => {

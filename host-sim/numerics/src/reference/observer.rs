@@ -4,6 +4,7 @@ use serde::Serialize;
 use shared::model::rig::{Rig, SwitchMode};
 
 use super::FlowPoint;
+use super::series::Series;
 use super::switching::Arc;
 
 /// One finished contact, times in seconds since the start.
@@ -27,7 +28,16 @@ pub struct LocatedContact {
     pub energy_lost_j: f64,
 }
 
-/// A smooth piece of the trajectory, as an observer sees it: quintic in between.
+/// What is known of the motion within a piece.
+#[derive(Clone, Copy, Debug)]
+pub enum Within<'a> {
+    /// The accelerations of the hammer's coordinate at both ends, through which a quintic goes.
+    Ends([f64; 2]),
+    /// All of it.
+    Series(&'a Series<f64>),
+}
+
+/// A smooth piece of the trajectory, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a> {
     /// The rig that moves, in plain numbers.
@@ -42,32 +52,48 @@ pub struct Segment<'a> {
     pub approach: f64,
     /// Where the piece starts.
     pub start: FlowPoint<f64>,
-    /// Acceleration at the start.
-    pub start_acceleration: f64,
     /// Where the piece ends.
     pub end: FlowPoint<f64>,
-    /// Acceleration at the end.
-    pub end_acceleration: f64,
+    /// The motion in between.
+    pub within: Within<'a>,
 }
 
 impl Segment<'_> {
     /// The quintic through both ends.
     pub fn arc(&self) -> Arc {
+        let [from, to] = self.accelerations();
         Arc::new(
             self.end.t - self.start.t,
-            (self.start.q, self.start.v, self.start_acceleration),
-            (self.end.q, self.end.v, self.end_acceleration),
+            (self.start.q, self.start.v, from),
+            (self.end.q, self.end.v, to),
         )
+    }
+
+    /// The accelerations of the hammer's coordinate at both ends.
+    pub fn accelerations(&self) -> [f64; 2] {
+        match self.within {
+            Within::Ends(known) => known,
+            Within::Series(series) => {
+                [self.start, self.end].map(|p| series.acceleration(p.t - series.starts()))
+            }
+        }
     }
 
     /// Coordinate and rate at `t` (s since drive phase 0, within the segment).
     pub fn at(&self, t: f64) -> (f64, f64) {
+        if let Within::Series(series) = self.within {
+            return series.at(t - series.starts());
+        }
         let arc = self.arc();
         arc.at((t - self.start.t) / arc.length)
     }
 
-    /// Deviation of the cart from its course (m) and its rate (m/s) at `t`, on the cubic through both ends.
+    /// Deviation of the cart from its course (m) and its rate (m/s) at `t`: on the cubic through both ends where no more is
+    /// known.
     pub fn cart(&self, t: f64) -> [f64; 2] {
+        if let Within::Series(series) = self.within {
+            return series.point(t - series.starts()).cart;
+        }
         let length = self.end.t - self.start.t;
         let ([e0, w0], [e1, w1]) = (self.start.cart, self.end.cart);
         let s = if length > 0.0 {

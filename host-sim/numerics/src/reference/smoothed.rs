@@ -44,6 +44,7 @@ impl<R: Scalar> Reference<R> {
         Ok(Self {
             smoothed: Some(smoothed),
             approach: R::ZERO,
+            equations: None,
             ..Self::in_flight(params, frequency_hz, q, v)?
         })
     }

@@ -7,6 +7,7 @@
 use shared::model::rig::SwitchMode;
 
 use super::flow::{FlowPoint, HammerFlow};
+use super::series::Series;
 use crate::flow::{Scalar, reached};
 use crate::root::{halved, maximum};
 
@@ -65,22 +66,54 @@ pub fn locate(
     h: f64,
     end: &FlowPoint<f64>,
 ) -> Option<f64> {
-    if out_of_reach(flow, from, h, end) {
+    let of = |p: &FlowPoint<f64>| {
+        let at = flow.rig.kinematics(p.q, p.v);
+        (at.delta, at.rate)
+    };
+    if flow.mode == SwitchMode::Flight && out_of_reach(of(from), h, of(end)) {
         return None;
     }
     let (a0, _) = flow.acceleration(from);
     let (a1, _) = flow.acceleration(end);
     let arc = Arc::new(h, (from.q, from.v, a0), (end.q, end.v, a1));
+    let exact = |s: f64| reached(flow, from, s * h);
+    searched(flow, (from, end), h, 40, |s| arc.at(s), exact)
+}
+
+/// [`locate`] in a piece of a motion that is known as a series, from `after` s after its start on.
+pub fn locate_in(
+    flow: &HammerFlow<f64>,
+    series: &Series<f64>,
+    (from, end): (&FlowPoint<f64>, &FlowPoint<f64>),
+    (after, h): (f64, f64),
+) -> Option<f64> {
+    let (at, exact) = (
+        |s: f64| series.at(after + s * h),
+        |s: f64| series.point(after + s * h),
+    );
+    searched(flow, (from, end), h, 6, at, exact)
+}
+
+/// When the side of the switch is left, s after the start of a piece of `h` s from `from` to `end`: searched on coordinate
+/// and rate at a share of its length (`about`), decided and located where the motion really is (`exact`). The bracket is
+/// halved on the former `halvings` times before Newton's iteration begins.
+fn searched(
+    flow: &HammerFlow<f64>,
+    (from, end): (&FlowPoint<f64>, &FlowPoint<f64>),
+    h: f64,
+    halvings: u32,
+    about: impl Fn(f64) -> (f64, f64),
+    exact: impl Fn(f64) -> FlowPoint<f64>,
+) -> Option<f64> {
     // Positive: the mode's side is left.
     let sign = match flow.mode {
         SwitchMode::Flight => 1.0,
         SwitchMode::Contact => -1.0,
     };
     let guess = |s: f64| {
-        let (q, v) = arc.at(s);
+        let (q, v) = about(s);
         sign * indicator_of(flow, from.t + s * h, q, v)
     };
-    let exact = |s: f64| sign * flow.indicator(&reached(flow, from, s * h));
     let at = |j: usize| j as f64 / SAMPLES as f64;
     let mut values = [0.0; SAMPLES + 1];
     for (j, value) in values.iter_mut().enumerate() {
@@ -106,8 +139,9 @@ pub fn locate(
             let margin = GRAZING_MARGIN_M * indicator_per_metre(flow);
             let top = maximum(guess, (at(a), at(b)), 1e-6, at(a));
             if guess(top) > -margin {
-                let top = maximum(exact, (at(a), at(b)), 1e-9, at(a));
-                if exact(top) > 0.0 {
+                let there = |s: f64| sign * flow.indicator(&exact(s));
+                let top = maximum(there, (at(a), at(b)), 1e-9, at(a));
+                if there(top) > 0.0 {
                     bracket = Some((at(a), top));
                     break;
                 }
@@ -115,31 +149,23 @@ pub fn locate(
         }
     }
     let (low, high) = bracket?;
-    Some(h * root(&guess, &exact, flow, from, h, (low, high), sign))
+    let (_, guessed) = halved((low, high), halvings, |s| guess(s) > 0.0);
+    Some(h * root(flow, &exact, h, (low, guessed, high), sign))
 }
 
-/// The time `at` (s) that [`locate`] found after `from`: the same value; in dual numbers, with the derivatives of the instant.
-pub fn instant<R: Scalar>(flow: &HammerFlow<R>, from: &FlowPoint<R>, at: f64) -> R {
+/// The time `at` (s) that [`locate`] found: the same value; in dual numbers, with the derivatives of the instant. `reached`
+/// is where the motion is after a time.
+pub fn instant<R: Scalar>(flow: &HammerFlow<R>, reached: impl Fn(R) -> FlowPoint<R>, at: f64) -> R {
     let at = R::from_f64(at);
-    let there = reached(flow, from, at);
+    let there = reached(at);
     let slope = indicator_slope(&flow.in_values(), &there.in_values());
     at.as_root_of(flow.indicator(&there), slope)
 }
 
-/// Whether the surface is too far away to be met in this step.
-fn out_of_reach(
-    flow: &HammerFlow<f64>,
-    from: &FlowPoint<f64>,
-    h: f64,
-    end: &FlowPoint<f64>,
-) -> bool {
-    if flow.mode == SwitchMode::Contact {
-        return false;
-    }
-    let a = flow.rig.kinematics(from.q, from.v);
-    let b = flow.rig.kinematics(end.q, end.v);
-    let reach = h * (a.rate.abs() + b.rate.abs());
-    a.delta.max(b.delta) + reach < 0.0
+/// Whether the surface is too far away to be met in a flight of `h` s, given penetration and rate at both ends.
+pub fn out_of_reach(from: (f64, f64), h: f64, end: (f64, f64)) -> bool {
+    let reach = h * (from.1.abs() + end.1.abs());
+    from.0.max(end.0) + reach < 0.0
 }
 
 fn indicator_of(flow: &HammerFlow<f64>, t: f64, q: f64, v: f64) -> f64 {
@@ -165,20 +191,17 @@ fn indicator_slope(flow: &HammerFlow<f64>, p: &FlowPoint<f64>) -> f64 {
     (at(DT) - at(-DT)) / (2.0 * DT)
 }
 
-/// The root of `exact` in the bracket (in fractions of the step): first on the quintic, then by Newton's
-/// iteration on the integrator, and by bisection where Newton's does not settle.
+/// Where the side is left, in fractions of the piece: by Newton's iteration from `s` on, and by bisection of the bracket
+/// where Newton's does not settle.
 fn root(
-    guess: &impl Fn(f64) -> f64,
-    exact: &impl Fn(f64) -> f64,
     flow: &HammerFlow<f64>,
-    from: &FlowPoint<f64>,
+    exact: &impl Fn(f64) -> FlowPoint<f64>,
     h: f64,
-    (low, high): (f64, f64),
+    (low, mut s, high): (f64, f64, f64),
     sign: f64,
 ) -> f64 {
-    let (_, mut s) = halved((low, high), 40, |s| guess(s) > 0.0);
     for _ in 0..8 {
-        let there = reached(flow, from, s * h);
+        let there = exact(s);
         let g = sign * flow.indicator(&there);
         let slope = sign * indicator_slope(flow, &there);
         let correction = g / slope;
@@ -194,14 +217,16 @@ fn root(
             return s;
         }
     }
-    halved((low, high), 60, |s| exact(s) > 0.0).1
+    let left = |s: f64| sign * flow.indicator(&exact(s)) > 0.0;
+    halved((low, high), 60, left).1
 }
 
-/// When (s after phase 0) and how large the force is at its largest between two points in contact, N.
+/// When (s after phase 0) and how large the force is at its largest between two points in contact, N; `reached` is where
+/// the motion is some time (s) after the first.
 pub fn force_peak(
     flow: &HammerFlow<f64>,
-    from: &FlowPoint<f64>,
-    end: &FlowPoint<f64>,
+    (from, end): (&FlowPoint<f64>, &FlowPoint<f64>),
+    reached: impl Fn(f64) -> FlowPoint<f64>,
 ) -> (f64, f64) {
     let force_rate = |p: &FlowPoint<f64>| {
         let (a, force) = flow.acceleration(p);
@@ -223,7 +248,7 @@ pub fn force_peak(
     for _ in 0..12 {
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let inside = secant.clamp(a.0 + 0.01 * (b.0 - a.0), b.0 - 0.01 * (b.0 - a.0));
-        let there = reached(flow, from, inside);
+        let there = reached(inside);
         let (force, rate) = force_rate(&there);
         if force > best.1 {
             best = (t0 + inside, force);
