@@ -108,11 +108,11 @@ fn a_periodic_orbit_in_a_cart_that_recoils_has_its_two_largest() {
 fn the_sum_is_what_the_dampers_leave() {
     for ((params, rest), ratio) in [(with_gap(WIRES, 2.4), 1.6), (with_gap(BEAM_150, 1.0), 1.5)] {
         let hz = ratio * params.natural_frequency_hz();
-        let periods = 300;
+        let periods = 60;
         let found = at(&params, ratio, rest, 0, periods);
         let mut hammer = Reference::<f64>::new(&params, hz, rest[0], rest[1]).unwrap();
         let mut contacts = Vec::<LocatedContact>::new();
-        // The dual trajectory takes the same steps, so chaos does not part the two.
+        // Chaos parts this and the dual trajectory, whose steps differ, more slowly than that.
         (0..periods).for_each(|_| {
             hammer.run_period(&mut contacts);
         });
@@ -130,7 +130,7 @@ fn the_sum_is_what_the_dampers_leave() {
             } => (2.0 * damping_ratio * TAU * natural_frequency_hz, 1.0),
         };
         let divergence = -(support + slope * 1.2e3 / params.mass_kg * share);
-        assert!(contacts.len() > 100, "{}", contacts.len());
+        assert!(contacts.len() > 20, "{}", contacts.len());
         // cos θ changes by 2e-6 during a contact.
         let sum = found.largest_per_s + found.other_per_s.unwrap();
         close("divergence", sum, divergence, 1e-5);

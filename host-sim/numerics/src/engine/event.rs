@@ -82,7 +82,7 @@ impl TrajectoryObserver for Sampler<'_> {
         let (start, end) = (segment.start.t, segment.end.t);
         let dense = !evenly && segment.mode == shared::model::rig::SwitchMode::Contact;
         if dense {
-            const PIECES: usize = 12;
+            const PIECES: usize = 24;
             (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
         }
         let spacing = 1.0 / (self.frequency_hz * per_period as f64);

@@ -153,8 +153,9 @@ pub(crate) struct Exactness {
     tolerance: f64,
     /// It is found when the return map moves it by less than this share of the same.
     closure: f64,
-    /// Whether derivatives near the orbit do: then only the first guess is followed with them.
-    near: bool,
+    /// Whether derivatives near the orbit do: then only the first guess is followed with them. They tell of its stability
+    /// where no multiplier is of this modulus there; else the orbit is followed with them, too.
+    near: Option<f64>,
 }
 
 impl Exactness {
@@ -162,19 +163,19 @@ impl Exactness {
     pub(crate) const FULL: Self = Self {
         tolerance: TOLERANCE,
         closure: CLOSURE,
-        near: false,
+        near: None,
     };
     /// Its force to some 1e-7, for one rig of many.
     pub(crate) const OF_MANY: Self = Self {
         tolerance: 1e-10,
         closure: 1e-8,
-        near: false,
+        near: Some(0.8),
     };
     /// To what a picture shows.
     pub(crate) const DRAWN: Self = Self {
         tolerance: 1e-7,
         closure: 1e-4,
-        near: true,
+        near: Some(f64::INFINITY),
     };
 }
 
@@ -229,11 +230,19 @@ pub(crate) fn shoot_to(
         };
         let miss = image.miss(x);
         let size = largest(miss);
+        let calm = |image: &ReturnMapImage| {
+            let modulus = image.monodromy.multipliers().modulus();
+            exactness.near.is_some_and(|most| modulus < most)
+        };
         if size < exactness.closure {
-            return image.orbit(frequency_hz, x);
+            if known.is_none() || calm(&image) {
+                return image.orbit(frequency_hz, x);
+            }
+            known = None;
+            continue;
         }
-        let use_again =
-            exactness.near && periods == 1 && (known.is_none() || size < SMALLER * last);
+        let near = exactness.near.is_some() && periods == 1;
+        let use_again = near && (known.is_none() || size < SMALLER * last);
         known = use_again.then_some(image.monodromy);
         last = size;
         // (I − M) step = miss.

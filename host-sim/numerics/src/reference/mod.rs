@@ -39,8 +39,9 @@ const FIRST_STEP_S: f64 = 1e-5;
 /// Steps per period of the faster of drive and hammer, at least.
 const STEPS_PER_PERIOD: f64 = 24.0;
 
-/// Pieces of what a power series reaches in which a switch is looked for, at least.
-const PIECES: f64 = 4.0;
+/// Pieces of what a power series reaches in which a switch is looked for: at least, and in contact.
+const IN_FLIGHT: f64 = 4.0;
+const IN_CONTACT: f64 = 2.0;
 
 /// Steps after which a period is given up. Chatter needs some thousands; a hammer that was started deep
 /// inside the surface, or swung over the top, never ends.
@@ -322,8 +323,8 @@ impl<R: Scalar> Reference<R> {
         let (start, end) = (self.point.in_values(), step.end.in_values());
         let accelerations = [start, end].map(|p| flow.acceleration(&p).0);
         let peak = (self.mode == SwitchMode::Contact).then(|| {
-            let reached = |tau| reached(&flow, &start, tau);
-            switching::force_peak(&flow, (&start, &end), reached)
+            let force = |tau| switching::force_and_rate(&flow, &reached(&flow, &start, tau));
+            switching::force_peak((start.t, end.t), force)
         });
         self.tell(
             (start, end),
@@ -369,7 +370,10 @@ impl<R: Scalar> Reference<R> {
         let mut start = before.point.in_values();
         let to_go = end_s - start.t;
         let whole = reach.min(to_go);
-        let pieces = (whole / self.max_step).ceil().max(PIECES);
+        let pieces = match self.mode {
+            SwitchMode::Flight => (whole / self.max_step).ceil().max(IN_FLIGHT),
+            SwitchMode::Contact => IN_CONTACT,
+        };
         let piece = whole / pieces;
         // A reach that is no number leaves none.
         let (mut switched, mut was) = (None, values.penetration(0.0));
@@ -386,10 +390,8 @@ impl<R: Scalar> Reference<R> {
             if let Some(at) = switched {
                 end = values.point(at);
             }
-            let peak = (self.mode == SwitchMode::Contact).then(|| {
-                let reached = |tau| values.point(after + tau);
-                switching::force_peak(&plain, (&start, &end), reached)
-            });
+            let peak = (self.mode == SwitchMode::Contact)
+                .then(|| switching::force_peak((start.t, end.t), |tau| values.force(after + tau)));
             self.tell(
                 (start, end),
                 Within::Series(&values),

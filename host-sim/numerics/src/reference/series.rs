@@ -292,22 +292,26 @@ impl Equations {
     }
 }
 
+/// The power series of these coefficients and its derivative at `tau`.
+#[inline]
+fn sum<R: Scalar>(coefficients: &[R; TERMS], tau: R) -> (R, R) {
+    let (mut value, mut rate) = (R::ZERO, R::ZERO);
+    for c in coefficients.iter().rev() {
+        rate = rate * tau + value;
+        value = value * tau + *c;
+    }
+    (value, rate)
+}
+
 impl<R: Scalar> Series<R> {
     /// Where everything is `tau` (s) after the start.
     pub fn point(&self, tau: R) -> FlowPoint<R> {
-        let (mut q, mut v, mut e, mut w) = (R::ZERO, R::ZERO, R::ZERO, R::ZERO);
-        for k in (1..TERMS).rev() {
-            let factor = k as f64;
-            q = q * tau + self.q[k];
-            v = v * tau + self.q[k].scaled(factor);
-            e = e * tau + self.off[k];
-            w = w * tau + self.off[k].scaled(factor);
-        }
+        let ((q, v), (off, off_rate)) = (sum(&self.q, tau), sum(&self.off, tau));
         FlowPoint {
             t: self.origin.t + tau,
-            q: q * tau + self.q[0],
+            q,
             v,
-            cart: [e * tau + self.off[0], w],
+            cart: [off, off_rate],
         }
     }
 
@@ -379,22 +383,17 @@ impl Series<f64> {
 
     /// Coordinate and rate at `tau` (s) after the start.
     pub fn at(&self, tau: f64) -> (f64, f64) {
-        let (mut q, mut v) = (0.0, 0.0);
-        for k in (1..TERMS).rev() {
-            q = q * tau + self.q[k];
-            v = v * tau + k as f64 * self.q[k];
-        }
-        (q * tau + self.q[0], v)
+        sum(&self.q, tau)
     }
 
     /// Penetration and its rate at `tau` (s) after the start.
     pub fn penetration(&self, tau: f64) -> (f64, f64) {
-        let (mut delta, mut rate) = (0.0, 0.0);
-        for k in (1..TERMS).rev() {
-            delta = delta * tau + self.delta[k];
-            rate = rate * tau + k as f64 * self.delta[k];
-        }
-        (delta * tau + self.delta[0], rate)
+        sum(&self.delta, tau)
+    }
+
+    /// Contact force and its rate at `tau` (s) after the start, N and N/s.
+    pub fn force(&self, tau: f64) -> (f64, f64) {
+        sum(&self.force, tau)
     }
 
     /// Where energy and momentum went in the first `tau` s.

@@ -77,7 +77,12 @@ pub fn locate(
     let (a1, _) = flow.acceleration(end);
     let arc = Arc::new(h, (from.q, from.v, a0), (end.q, end.v, a1));
     let exact = |s: f64| reached(flow, from, s * h);
-    searched(flow, (from, end), h, 40, |s| arc.at(s), exact)
+    let about = |s: f64| {
+        let (q, v) = arc.at(s);
+        let at = flow.rig.kinematics(q, v);
+        (at.delta, at.rate)
+    };
+    searched(flow, (from, end), h, 40, about, exact)
 }
 
 /// [`locate`] in a piece of a motion that is known as a series, from `after` s after its start on.
@@ -87,15 +92,13 @@ pub fn locate_in(
     (from, end): (&FlowPoint<f64>, &FlowPoint<f64>),
     (after, h): (f64, f64),
 ) -> Option<f64> {
-    let (at, exact) = (
-        |s: f64| series.at(after + s * h),
-        |s: f64| series.point(after + s * h),
-    );
-    searched(flow, (from, end), h, 6, at, exact)
+    let about = |s: f64| series.penetration(after + s * h);
+    let exact = |s: f64| series.point(after + s * h);
+    searched(flow, (from, end), h, 6, about, exact)
 }
 
-/// When the side of the switch is left, s after the start of a piece of `h` s from `from` to `end`: searched on coordinate
-/// and rate at a share of its length (`about`), decided and located where the motion really is (`exact`). The bracket is
+/// When the side of the switch is left, s after the start of a piece of `h` s from `from` to `end`: searched on penetration
+/// and its rate at a share of its length (`about`), decided and located where the motion really is (`exact`). The bracket is
 /// halved on the former `halvings` times before Newton's iteration begins.
 fn searched(
     flow: &HammerFlow<f64>,
@@ -111,8 +114,9 @@ fn searched(
         SwitchMode::Contact => -1.0,
     };
     let guess = |s: f64| {
-        let (q, v) = about(s);
-        sign * indicator_of(flow, from.t + s * h, q, v)
+        let (delta, rate) = about(s);
+        let law = flow.rig.law();
+        sign * law.indicator(delta, rate, flow.approach_at(rate))
     };
     let at = |j: usize| j as f64 / SAMPLES as f64;
     let mut values = [0.0; SAMPLES + 1];
@@ -168,10 +172,6 @@ pub fn out_of_reach(from: (f64, f64), h: f64, end: (f64, f64)) -> bool {
     from.0.max(end.0) + reach < 0.0
 }
 
-fn indicator_of(flow: &HammerFlow<f64>, t: f64, q: f64, v: f64) -> f64 {
-    flow.indicator(&FlowPoint::on_course(t, q, v))
-}
-
 /// What a metre of penetration adds to the indicator.
 fn indicator_per_metre(flow: &HammerFlow<f64>) -> f64 {
     match flow.rig.law() {
@@ -186,7 +186,7 @@ fn indicator_slope(flow: &HammerFlow<f64>, p: &FlowPoint<f64>) -> f64 {
     let (a, _) = flow.acceleration(p);
     let at = |dt: f64| {
         let (q, v) = (p.q + dt * (p.v + 0.5 * dt * a), p.v + dt * a);
-        indicator_of(flow, p.t + dt, q, v)
+        flow.indicator(&FlowPoint::on_course(p.t + dt, q, v))
     };
     (at(DT) - at(-DT)) / (2.0 * DT)
 }
@@ -221,24 +221,20 @@ fn root(
     halved((low, high), 60, left).1
 }
 
-/// When (s after phase 0) and how large the force is at its largest between two points in contact, N; `reached` is where
-/// the motion is some time (s) after the first.
-pub fn force_peak(
-    flow: &HammerFlow<f64>,
-    (from, end): (&FlowPoint<f64>, &FlowPoint<f64>),
-    reached: impl Fn(f64) -> FlowPoint<f64>,
-) -> (f64, f64) {
-    let force_rate = |p: &FlowPoint<f64>| {
-        let (a, force) = flow.acceleration(p);
-        let at = flow.rig.kinematics(p.q, p.v);
-        let (by_delta, by_rate) = flow.rig.law().gradient(at.delta, at.rate, flow.approach);
-        let change = flow.rig.penetration_acceleration(&at, p.v, a);
-        let rate = by_delta * at.rate + by_rate * change;
-        (force, rate)
-    };
-    let (f0, r0) = force_rate(from);
-    let (f1, r1) = force_rate(end);
-    let (t0, t1) = (from.t, end.t);
+/// The contact force and its rate at a point, N and N/s.
+pub fn force_and_rate(flow: &HammerFlow<f64>, p: &FlowPoint<f64>) -> (f64, f64) {
+    let (a, force) = flow.acceleration(p);
+    let at = flow.rig.kinematics(p.q, p.v);
+    let (by_delta, by_rate) = flow.rig.law().gradient(at.delta, at.rate, flow.approach);
+    let change = flow.rig.penetration_acceleration(&at, p.v, a);
+    (force, by_delta * at.rate + by_rate * change)
+}
+
+/// When and how large the force is at its largest between two times in contact, N; `force` is what it and its rate are some
+/// time (s) after the first.
+pub fn force_peak((t0, t1): (f64, f64), force: impl Fn(f64) -> (f64, f64)) -> (f64, f64) {
+    let (f0, r0) = force(0.0);
+    let (f1, r1) = force(t1 - t0);
     if !(r0 > 0.0 && r1 < 0.0) {
         return if f0 > f1 { (t0, f0) } else { (t1, f1) };
     }
@@ -248,10 +244,9 @@ pub fn force_peak(
     for _ in 0..12 {
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let inside = secant.clamp(a.0 + 0.01 * (b.0 - a.0), b.0 - 0.01 * (b.0 - a.0));
-        let there = reached(inside);
-        let (force, rate) = force_rate(&there);
-        if force > best.1 {
-            best = (t0 + inside, force);
+        let (now, rate) = force(inside);
+        if now > best.1 {
+            best = (t0 + inside, now);
         }
         if rate > 0.0 {
             a = (inside, rate);
