@@ -8,6 +8,9 @@ use crate::row::extent;
 
 use super::{ComparisonRequest, MeasuredFrame};
 
+/// Times this close are the same, s.
+const SAME_INSTANT_S: f64 = 1e-9;
+
 /// Time between samples kept, s: ten to a contact.
 const SAMPLE_S: f64 = 5e-5;
 
@@ -122,7 +125,10 @@ impl SimulatedMotion {
         let span = self.span_s();
         let time = time_s.rem_euclid(span);
         let n = self.samples.len();
-        let after = self.samples.partition_point(|s| s.time_s <= time);
+        // A sample at the very onset was taken in contact, whatever its clock's last digits are.
+        let after = self
+            .samples
+            .partition_point(|s| s.time_s <= time + SAME_INSTANT_S);
         let (a, b) = (&self.samples[(after + n - 1) % n], &self.samples[after % n]);
         let from = if after == 0 {
             a.time_s - span
