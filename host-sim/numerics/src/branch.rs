@@ -317,7 +317,7 @@ pub(crate) fn settle(
     for _ in 0..plan.transient {
         hammer.period(None);
         within_reach(hammer.as_ref()).ok()?;
-        if arrival.at(hammer.section()) == Some(1) {
+        if arrival.at(&hammer.section()) == Some(1) {
             return orbit(hammer.section());
         }
     }

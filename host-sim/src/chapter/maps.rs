@@ -1,5 +1,7 @@
 //! Sections 3.3.6 and 3.4.3: Peterka maps and basins of attraction.
 
+use std::sync::Arc;
+
 use super::{ChapterVerdict, Statement, percent};
 use crate::figures::Effort;
 use crate::figures::map::{chapter_map, silent_after_one_one, unrest_shares};
@@ -16,7 +18,7 @@ use shared::model::params::WIRES;
 /// Every sixth gap and frequency.
 const EVERY: usize = 6;
 
-fn map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
+fn map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Arc<Map>, UserError> {
     chapter_map(name, effort.of(1, EVERY), progress)
 }
 
@@ -120,9 +122,9 @@ fn edge(section: &str, words: &str, map: &Map) -> Statement {
 }
 
 /// Whether the beams do after 1/1 what the wires do there.
-fn instability(wires: &Map, beams: &[Map]) -> Statement {
+fn instability(wires: &Map, beams: &[Arc<Map>]) -> Statement {
     let on_wires = silent_after_one_one(wires);
-    let on_beams = beams.iter().map(silent_after_one_one);
+    let on_beams = beams.iter().map(|map| silent_after_one_one(map));
     let least = on_beams.fold(f64::INFINITY, f64::min);
     Statement::new(
         "3.4.3, figures 3.46(b), 3.48(b), 3.50(b)",

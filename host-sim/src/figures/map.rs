@@ -1,6 +1,8 @@
 //! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how similar those of the beams are, and where the
 //! switch model differs.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use serde::Serialize;
 use shared::model::regime::Regime;
 
@@ -133,21 +135,28 @@ const COARSE: CellPlan = CellPlan {
 ///
 /// # Errors
 /// If a motion cannot be followed.
-pub fn chapter_map(name: &str, step: usize, progress: &ProgressLine) -> Result<Map, UserError> {
+pub fn chapter_map(
+    name: &str,
+    step: usize,
+    progress: &ProgressLine,
+) -> Result<Arc<Map>, UserError> {
     map_of(name, step, CellPlan::CHAPTER, progress)
 }
 
-fn effort_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
+fn effort_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Arc<Map>, UserError> {
     let (step, plan) = effort.of((1, CellPlan::CHAPTER), (24, COARSE));
     map_of(name, step, plan, progress)
 }
+
+/// The maps that were made: pages and statements ask for the same ones.
+static MADE: Mutex<Vec<(MapRequest, Arc<Map>)>> = Mutex::new(Vec::new());
 
 fn map_of(
     name: &str,
     step: usize,
     plan: CellPlan,
     progress: &ProgressLine,
-) -> Result<Map, UserError> {
+) -> Result<Arc<Map>, UserError> {
     let rig = NamedRig::preset(name)?;
     let (gaps, hz) = (
         chapter_gaps_mm(&rig.params),
@@ -157,7 +166,15 @@ fn map_of(
         gaps_mm: gaps.into_iter().step_by(step).collect(),
         frequencies_hz: hz.into_iter().step_by(step).collect(),
     };
-    Ok(run(&request(rig, grid, plan, Runner::Lanes), progress)?)
+    let request = request(rig, grid, plan, Runner::Lanes);
+    let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = made().iter().find(|(r, _)| *r == request).cloned();
+    if let Some((_, map)) = known {
+        return Ok(map);
+    }
+    let map = Arc::new(run(&request, progress)?);
+    made().push((request, Arc::clone(&map)));
+    Ok(map)
 }
 
 fn detail_map(name: &str, effort: Effort, progress: &ProgressLine) -> Result<Map, UserError> {
@@ -261,14 +278,14 @@ fn measured(map: &Map) -> Result<Page, UserError> {
 }
 
 /// The three beams side by side.
-fn alike(maps: &[Map]) -> Result<Page, UserError> {
+fn alike(maps: &[Arc<Map>]) -> Result<Page, UserError> {
     let mut found = Vec::new();
     for (i, a) in maps.iter().enumerate() {
         found.extend(maps[i + 1..].iter().map(|b| similarity(a, b)));
     }
     let lines: Vec<String> = found.iter().map(words::map::similarity).collect();
     let text = format!("{}.", lines.join("; "));
-    let maps: Vec<&Map> = maps.iter().collect();
+    let maps: Vec<&Map> = maps.iter().map(Arc::as_ref).collect();
     let mut page = Page::new(
         "beams-alike",
         "The three beams' maps side by side, over Ω/ω and gap/A0",

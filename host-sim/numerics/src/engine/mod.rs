@@ -227,7 +227,7 @@ pub fn observe(
 pub fn observe_settled(machine: &mut dyn Machine, plan: Plan) -> Result<Observation, Error> {
     let mut arrival = Arrival::of(machine, STILL);
     observe_after(machine, plan, &mut CycleRecorder::default(), |at| {
-        arrival.at(at)
+        arrival.at(&at)
     })
 }
 
@@ -237,10 +237,11 @@ pub(crate) const STILL: f64 = 1e-12;
 /// Whether a motion has come to repeat: a strobe lies within `still` of one a few drive periods before, having lain a thousand
 /// times as far from it once. One that was on an orbit from the start has not arrived there: it may leave yet.
 pub(crate) struct Arrival {
+    /// Of a coordinate and of its rate.
     units: [f64; 2],
     still: f64,
     /// The last strobes, the newest last.
-    last: VecDeque<[f64; 2]>,
+    last: VecDeque<Vec<f64>>,
     farthest: f64,
 }
 
@@ -256,18 +257,27 @@ impl Arrival {
                 scale,
                 scale * std::f64::consts::TAU * machine.frequency_hz(),
             ],
+            ..Self::of_section(&machine.section(), still)
+        }
+    }
+
+    /// Of a motion that starts at `section`, which is in A0 and A0 Ω already.
+    pub(crate) fn of_section(section: &[f64], still: f64) -> Self {
+        Self {
+            units: [1.0; 2],
             still,
-            last: [machine.section()].into(),
+            last: [section.to_vec()].into(),
             farthest: 0.0,
         }
     }
 
     /// After how many drive periods it repeats, at the strobe `section`, which comes one drive period after the last. None
     /// before it does.
-    pub(crate) fn at(&mut self, section: [f64; 2]) -> Option<usize> {
-        let moved = |before: &[f64; 2]| {
-            let moved = [0, 1].map(|i| ((section[i] - before[i]) / self.units[i]).abs());
-            moved[0].max(moved[1])
+    pub(crate) fn at(&mut self, section: &[f64]) -> Option<usize> {
+        let moved = |before: &Vec<f64>| {
+            let pairs = section.iter().zip(before).zip(self.units.iter().cycle());
+            let moved = pairs.map(|((x, before), unit)| ((x - before) / unit).abs());
+            moved.fold(0.0, f64::max)
         };
         let last = self.last.back().map_or(0.0, moved);
         self.farthest = self.farthest.max(last);
@@ -275,15 +285,19 @@ impl Arrival {
         if self.last.len() == Self::MOST {
             self.last.pop_front();
         }
-        self.last.push_back(section);
+        self.last.push_back(section.to_vec());
         again
             .filter(|_| self.farthest > 1e3 * self.still)
             .map(|before| before + 1)
     }
 }
 
-/// How often what has come to repeat is recorded.
-const TIMES: usize = 12;
+/// How many of `recorded` periods show what has come to repeat after `n`: twelve repetitions, and those that begin as the
+/// whole would.
+pub(crate) fn repeated(recorded: usize, n: usize) -> usize {
+    const TIMES: usize = 12;
+    recorded.min(TIMES * n + recorded % n)
+}
 
 fn observe_after(
     machine: &mut dyn Machine,
@@ -304,7 +318,7 @@ fn observe_after(
         sections.push(machine.section());
         // What is left out are whole repetitions: the run ends where the whole one would.
         if let Some(n) = arrived(machine.section()).filter(|n| left.is_multiple_of(*n)) {
-            recorded = recorded.min(TIMES * n + recorded % n);
+            recorded = repeated(recorded, n);
             break;
         }
     }
@@ -380,7 +394,7 @@ mod tests {
             let mut arrival = Arrival::of(hammer.as_ref(), STILL);
             (1..300).find(|_| {
                 hammer.period(None);
-                arrival.at(hammer.section()) == Some(1)
+                arrival.at(&hammer.section()) == Some(1)
             })
         };
         let stable = arrives(3.0, Start::Rest).unwrap();

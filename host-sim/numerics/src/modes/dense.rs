@@ -1,10 +1,13 @@
 //! Square matrices of a size known only when the modes are: what matrix exponentials need, and no more.
 
-/// A square matrix, by rows.
+/// Numbers that are worked on at a time.
+const BLOCK: usize = 8;
+
+/// A square matrix, by columns, each filled up with zeros to whole blocks: so that no sum waits for the one before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Square {
     size: usize,
-    at: Vec<f64>,
+    columns: Vec<[f64; BLOCK]>,
 }
 
 impl Square {
@@ -12,7 +15,7 @@ impl Square {
     pub fn zero(size: usize) -> Self {
         Self {
             size,
-            at: vec![0.0; size * size],
+            columns: vec![[0.0; BLOCK]; size * size.div_ceil(BLOCK)],
         }
     }
 
@@ -20,79 +23,98 @@ impl Square {
     pub fn one(size: usize) -> Self {
         let mut one = Self::zero(size);
         for i in 0..size {
-            one.row_mut(i)[i] = 1.0;
+            *one.at_mut(i, i) = 1.0;
         }
         one
     }
 
-    /// Row `i`, counted from 0.
-    pub fn row(&self, i: usize) -> &[f64] {
-        &self.at[i * self.size..(i + 1) * self.size]
+    fn column(&self, k: usize) -> &[[f64; BLOCK]] {
+        let blocks = self.size.div_ceil(BLOCK);
+        &self.columns[k * blocks..(k + 1) * blocks]
     }
 
-    /// Row `i`, to be changed.
-    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.at[i * self.size..(i + 1) * self.size]
+    /// The number in row `i` and column `k`, both counted from 0.
+    pub fn at(&self, i: usize, k: usize) -> f64 {
+        self.column(k).as_flattened()[i]
+    }
+
+    /// The number in row `i` and column `k`, to be changed.
+    pub fn at_mut(&mut self, i: usize, k: usize) -> &mut f64 {
+        let blocks = self.size.div_ceil(BLOCK);
+        &mut self.columns.as_flattened_mut()[k * blocks * BLOCK + i]
+    }
+
+    /// Sets row `i`, counted from 0.
+    pub fn set_row(&mut self, i: usize, row: &[f64]) {
+        for (k, x) in row.iter().enumerate() {
+            *self.at_mut(i, k) = *x;
+        }
+    }
+
+    /// Block `b` of this matrix times `x`.
+    #[inline]
+    fn block_of(&self, b: usize, x: &[f64]) -> [f64; BLOCK] {
+        let mut sums = [0.0; BLOCK];
+        let columns = self.columns.chunks_exact(self.size.div_ceil(BLOCK));
+        for (x, column) in x.iter().zip(columns) {
+            for (sum, a) in sums.iter_mut().zip(&column[b]) {
+                *sum += x * a;
+            }
+        }
+        sums
     }
 
     /// This matrix times `x`, into `y`.
     pub fn apply(&self, x: &[f64], y: &mut [f64]) {
-        for (y, row) in y.iter_mut().zip(self.at.chunks_exact(self.size)) {
-            *y = dot(row, x);
+        for (b, y) in y.chunks_mut(BLOCK).enumerate() {
+            y.copy_from_slice(&self.block_of(b, x)[..y.len()]);
         }
+    }
+
+    /// This matrix times `x`.
+    pub fn of(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.size];
+        self.apply(x, &mut y);
+        y
     }
 
     /// The row `x` times this matrix.
     pub fn after(&self, x: &[f64]) -> Vec<f64> {
-        let mut row = vec![0.0; self.size];
-        self.after_into(x, &mut row);
-        row
-    }
-
-    /// The row `x` times this matrix, into `row`: of a transposed matrix what [`apply`](Self::apply) does, some times as fast,
-    /// since no sum waits for the one before.
-    pub fn after_into(&self, x: &[f64], row: &mut [f64]) {
-        row.fill(0.0);
-        for (factor, own) in x.iter().zip(self.at.chunks_exact(self.size)) {
-            row.iter_mut().zip(own).for_each(|(r, a)| *r += factor * a);
-        }
-    }
-
-    /// Rows and columns exchanged.
-    pub fn transposed(&self) -> Self {
-        let mut turned = Self::zero(self.size);
-        for i in 0..self.size {
-            for (k, x) in self.row(i).iter().enumerate() {
-                turned.row_mut(k)[i] = *x;
-            }
-        }
-        turned
+        (0..self.size)
+            .map(|k| dot(x, &self.column(k).as_flattened()[..self.size]))
+            .collect()
     }
 
     /// This matrix times `other`.
     pub fn times(&self, other: &Self) -> Self {
         let mut product = Self::zero(self.size);
-        for i in 0..self.size {
-            for (k, factor) in self.row(i).iter().enumerate() {
-                if *factor != 0.0 {
-                    let row = &mut product.at[i * self.size..(i + 1) * self.size];
-                    for (sum, x) in row.iter_mut().zip(other.row(k)) {
-                        *sum += factor * x;
-                    }
-                }
+        let blocks = self.size.div_ceil(BLOCK);
+        for (k, column) in product.columns.chunks_exact_mut(blocks).enumerate() {
+            let factors = &other.column(k).as_flattened()[..self.size];
+            for (b, block) in column.iter_mut().enumerate() {
+                *block = self.block_of(b, factors);
             }
         }
         product
     }
 
-    /// e^(A h) by its series, for ‖A‖ h not much above 1.
+    /// e^(A h) by its series, for ‖A‖ h not much above 1: until it no longer changes.
     pub fn exponential(&self, h: f64) -> Self {
         let mut sum = Self::one(self.size);
-        let mut term = sum.clone();
+        let (mut term, mut still) = (sum.clone(), 0);
         for k in 1..=TERMS {
             term = term.times(self);
-            term.at.iter_mut().for_each(|x| *x *= h / k as f64);
-            sum.at.iter_mut().zip(&term.at).for_each(|(s, t)| *s += t);
+            let (mut is_still, share) = (true, h / k as f64);
+            let terms = term.columns.as_flattened_mut().iter_mut();
+            for (s, t) in sum.columns.as_flattened_mut().iter_mut().zip(terms) {
+                *t *= share;
+                is_still &= *s == *s + *t;
+                *s += *t;
+            }
+            still = if is_still { still + 1 } else { 0 };
+            if still == STILL {
+                break;
+            }
         }
         sum
     }
@@ -100,12 +122,18 @@ impl Square {
     /// e^(A h) x by the same series.
     pub fn exponential_of(&self, h: f64, x: &[f64]) -> Vec<f64> {
         let (mut sum, mut term) = (x.to_vec(), x.to_vec());
-        let mut next = vec![0.0; self.size];
+        let (mut next, mut still) = (vec![0.0; self.size], 0);
         for k in 1..=TERMS {
             self.apply(&term, &mut next);
+            let (mut is_still, share) = (true, h / k as f64);
             for ((s, t), n) in sum.iter_mut().zip(&mut term).zip(&next) {
-                *t = n * h / k as f64;
+                *t = n * share;
+                is_still &= *s == *s + *t;
                 *s += *t;
+            }
+            still = if is_still { still + 1 } else { 0 };
+            if still == STILL {
+                break;
             }
         }
         sum
@@ -127,7 +155,9 @@ impl Square {
     pub fn block(&self, size: usize) -> Self {
         let mut block = Self::zero(size);
         for i in 0..size {
-            block.row_mut(i).copy_from_slice(&self.row(i)[..size]);
+            for k in 0..size {
+                *block.at_mut(i, k) = self.at(i, k);
+            }
         }
         block
     }
@@ -136,29 +166,32 @@ impl Square {
     pub fn solve_fixed(&self, b: &[f64]) -> Option<Vec<f64>> {
         let n = self.size;
         let mut a = Self::one(n);
-        a.at.iter_mut().zip(&self.at).for_each(|(a, m)| *a -= m);
+        let own = self.columns.as_flattened();
+        let from = a.columns.as_flattened_mut().iter_mut();
+        from.zip(own).for_each(|(a, m)| *a -= m);
         let mut x = b.to_vec();
         for column in 0..n {
-            let size = |i: &usize| a.row(*i)[column].abs();
+            let size = |i: &usize| a.at(*i, column).abs();
             let pivot = (column..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
             if size(&pivot) <= 1e-300 || !size(&pivot).is_finite() {
                 return None;
             }
             for k in 0..n {
-                a.at.swap(column * n + k, pivot * n + k);
+                let (own, other) = (a.at(column, k), a.at(pivot, k));
+                (*a.at_mut(column, k), *a.at_mut(pivot, k)) = (other, own);
             }
             x.swap(column, pivot);
             for below in column + 1..n {
-                let by = a.row(below)[column] / a.row(column)[column];
+                let by = a.at(below, column) / a.at(column, column);
                 for k in column..n {
-                    a.at[below * n + k] -= by * a.at[column * n + k];
+                    *a.at_mut(below, k) -= by * a.at(column, k);
                 }
                 x[below] -= by * x[column];
             }
         }
         for i in (0..n).rev() {
-            let known: f64 = (i + 1..n).map(|k| a.row(i)[k] * x[k]).sum();
-            x[i] = (x[i] - known) / a.row(i)[i];
+            let known: f64 = (i + 1..n).map(|k| a.at(i, k) * x[k]).sum();
+            x[i] = (x[i] - known) / a.at(i, i);
         }
         Some(x)
     }
@@ -168,13 +201,14 @@ impl Square {
         const DOUBLINGS: i32 = 16;
         let (mut power, mut log) = (self.clone(), 0.0);
         for k in 0..=DOUBLINGS {
-            let norm = power.at.iter().fold(0.0_f64, |n, x| n.max(x.abs()));
+            let numbers = power.columns.as_flattened_mut();
+            let norm = numbers.iter().fold(0.0_f64, |n, x| n.max(x.abs()));
             if norm == 0.0 || !norm.is_finite() {
                 return norm;
             }
             log += norm.ln() / 2.0_f64.powi(k);
             if k < DOUBLINGS {
-                power.at.iter_mut().for_each(|x| *x /= norm);
+                numbers.iter_mut().for_each(|x| *x /= norm);
                 power = power.times(&power);
             }
         }
@@ -214,6 +248,9 @@ impl Polynomial {
 /// Terms of the series: with ‖A‖ h = 1 the first one left out is 1e-21.
 const TERMS: usize = 20;
 
+/// Terms in a row that change nothing, after which the series ends.
+const STILL: u32 = 2;
+
 /// The sum of the products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -226,9 +263,9 @@ mod tests {
     /// A turn by 0.3 about one axis, damped, beside a number that grows as e^(0.5 t).
     fn turning() -> Square {
         let mut a = Square::zero(3);
-        a.row_mut(0).copy_from_slice(&[-0.1, -0.3, 0.0]);
-        a.row_mut(1).copy_from_slice(&[0.3, -0.1, 0.0]);
-        a.row_mut(2)[2] = 0.5;
+        a.set_row(0, &[-0.1, -0.3, 0.0]);
+        a.set_row(1, &[0.3, -0.1, 0.0]);
+        *a.at_mut(2, 2) = 0.5;
         a
     }
 
@@ -245,8 +282,8 @@ mod tests {
         .iter()
         .enumerate()
         {
-            for (x, known) in e.row(row).iter().zip(expected) {
-                assert!((x - known).abs() < 1e-14);
+            for (k, known) in expected.iter().enumerate() {
+                assert!((e.at(row, k) - known).abs() < 1e-14);
             }
         }
         let x = [0.3, -2.0, 0.7];

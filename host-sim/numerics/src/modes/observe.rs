@@ -9,7 +9,7 @@ use shared::model::regime::{Detector, Regime};
 
 use super::linear::{Follower, LinearMotion};
 use super::{Beam, MAX_MODES, ModalRig, ModalState, PerMode, TipJoint};
-use crate::engine::Plan as Cycles;
+use crate::engine::{Arrival, Plan as Cycles, STILL, repeated};
 use crate::error::{Error, ModesError};
 use crate::parallel;
 use crate::progress::{Progress, step};
@@ -94,11 +94,21 @@ pub(super) fn watched(
         }
         Err(ModesError::Lost { frequency_hz }.into())
     };
-    hammer.skip(cycles.transient);
+    let mut recorded = (cycles.cycles - cycles.transient) as usize;
+    let mut arrival = Arrival::of_section(hammer.section(), STILL);
+    for left in (0..cycles.transient as usize).rev() {
+        hammer.skip();
+        // What is left out are whole repetitions, as in [`crate::engine::observe_settled`].
+        let repeats = arrival.at(hammer.section());
+        if let Some(n) = repeats.filter(|n| left.is_multiple_of(*n)) {
+            recorded = repeated(recorded, n);
+            break;
+        }
+    }
     let start = hammer.state();
     lost(&start)?;
     let mut sampler = ModesSampler::new(rig.clone(), frequency_hz, &start);
-    for _ in cycles.transient..cycles.cycles {
+    for _ in 0..recorded {
         let mut work = 0.0;
         let period = hammer.run_period(|state, cart_m| sampler.see(state, cart_m), |w| work += w);
         sampler.worked(work);

@@ -325,6 +325,49 @@ fn contact_feeds_the_higher_modes_and_flight_alone_hardly_does() {
     assert!(struck > 100.0 * free, "{struck} against {free}");
 }
 
+/// A transient that ends once the motion repeats, and few recorded periods, show what the whole run shows: also where it
+/// repeats only every second period, and where it never does.
+#[test]
+fn what_is_watched_of_a_settled_run_is_what_the_whole_run_shows() {
+    let cycles = Cycles {
+        cycles: 400,
+        transient: 340,
+    };
+    let mut regimes = Vec::new();
+    for (gap_m, hz) in [(0.0, 4.5), (0.0, 8.1), (0.0, 17.0), (0.0, 13.0)] {
+        let params = at_gap(BEAM_170, gap_m);
+        let rig = ModalRig::new(&params, BEAM, 3).unwrap();
+        let motion = LinearMotion::of(&params, BEAM, 3, hz).unwrap();
+        let follower = Follower::at_rest(motion, &rig);
+        let short = watched(follower.clone(), &rig, hz, cycles).unwrap();
+        let mut hammer = follower;
+        (0..cycles.transient).for_each(|_| hammer.skip());
+        let mut sampler = ModesSampler::new(rig.clone(), hz, &hammer.state());
+        for _ in cycles.transient..cycles.cycles {
+            let mut work = 0.0;
+            let period = hammer.run_period(|z, cart_m| sampler.see(z, cart_m), |w| work += w);
+            sampler.worked(work);
+            sampler.close(&hammer.state(), &period);
+        }
+        let whole = sampler.observation(hammer.take_strongest());
+        regimes.push(short.regime);
+        assert_eq!(short.regime, whole.regime, "{hz}");
+        if short.section_m.len() == whole.section_m.len() {
+            assert_eq!(short, whole, "{hz}");
+            continue;
+        }
+        let last = |seen: &ModalObservation| seen.section_m[seen.section_m.len() - 1];
+        let close =
+            |a: f64, b: f64, share: f64| assert!((a / b - 1.0).abs() < share, "{hz}: {a} {b}");
+        close(short.force_n, whole.force_n, 1e-9);
+        close(last(&short), last(&whole), 1e-8);
+        close(short.energy_j[0], whole.energy_j[0], 1e-8);
+        close(short.contact_loss_w, whole.contact_loss_w, 1e-8);
+    }
+    let settled = regimes.iter().filter_map(|regime| regime.periods());
+    assert_eq!(settled.collect::<Vec<_>>(), [1, 1, 2], "{regimes:?}");
+}
+
 #[test]
 fn what_cannot_be_modelled_is_refused() {
     let refused =

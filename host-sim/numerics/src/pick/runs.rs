@@ -88,7 +88,7 @@ fn settling_cycles(params: &RigParams, chosen: &Orbit) -> Result<Option<u32>, Er
         if (force_n / chosen.force_n - 1.0).abs() > SETTLED_SHARE {
             last_apart = cycle;
         }
-        if arrival.at(hammer.section()) == Some(1) {
+        if arrival.at(&hammer.section()) == Some(1) {
             if last_apart == cycle {
                 return Ok(None);
             }

@@ -46,12 +46,15 @@ impl Follower {
         self.log.take_strongest()
     }
 
-    /// Runs `periods` drive periods that nobody watches; contacts in them are forgotten. If the motion cannot be followed, the
+    /// Where the hammer is at drive phase 0, in A0 and A0 Ω.
+    pub fn section(&self) -> &[f64] {
+        &self.section
+    }
+
+    /// Runs a drive period that nobody watches; contacts in it are forgotten. If the motion cannot be followed, the
     /// state becomes NaN.
-    pub fn skip(&mut self, periods: u32) {
-        for _ in 0..periods {
-            self.go_on(None);
-        }
+    pub fn skip(&mut self) {
+        self.go_on(None);
         self.log = Log::default();
         self.touching = false;
     }

@@ -50,7 +50,11 @@ pub struct HoldingShaker {
 }
 
 /// Base steps that a flight far from the surface takes at once.
-const LEAP: usize = 16;
+const LEAP: usize = 1 << FAR;
+
+/// Place on the ladder of the base step, and how much farther up that of a leap is.
+const WHOLE: usize = 3;
+const FAR: usize = 4;
 
 /// The motion at one drive frequency.
 #[derive(Clone, Debug)]
@@ -75,15 +79,10 @@ struct Phase {
     a: Square,
     /// Base step h, in 1/Ω: the fastest motion turns by no more than [`TURN_PER_STEP`] in it.
     step: f64,
-    /// e^(A h) and e^(A h/2), transposed.
-    whole: Square,
-    half: Square,
-    /// e^(A h), e^(2 A h), e^(4 A h) ...
+    /// e^(A h/8), e^(A h/4), e^(A h/2), e^(A h), e^(2 A h) ...
     ladder: Vec<Square>,
     /// What a state makes of penetration and its rate after each of the next [`LEAP`] base steps, a column for each of its numbers.
     ahead: Vec<[[f64; 2]; LEAP]>,
-    /// e^(A h) to the power of [`LEAP`], transposed.
-    leap: Square,
     /// The rates of penetration and of the law's force, as rows on the state.
     slopes: Slopes,
 }
@@ -96,23 +95,20 @@ struct Slopes {
 
 impl Phase {
     fn new(a: Square, step: f64, delta: &[f64], force: &[f64]) -> Self {
-        let mut ladder = vec![a.exponential(step)];
-        while step * 2.0_f64.powi(ladder.len() as i32) < TAU {
+        let finest = step / (1 << WHOLE) as f64;
+        let mut ladder = vec![a.exponential(finest)];
+        while finest * 2.0_f64.powi(ladder.len() as i32) < TAU {
             let last = &ladder[ladder.len() - 1];
             ladder.push(last.times(last));
         }
-        let half = a.exponential(0.5 * step).transposed();
         let slopes = Slopes {
             delta: a.after(delta),
             force: a.after(force),
         };
-        let (mut ahead, mut leap) = (
-            vec![[[0.0; 2]; LEAP]; delta.len()],
-            Square::one(delta.len()),
-        );
+        let mut ahead = vec![[[0.0; 2]; LEAP]; delta.len()];
+        let mut rows = [delta.to_vec(), slopes.delta.clone()];
         for k in 0..LEAP {
-            leap = leap.times(&ladder[0]);
-            let rows = [leap.after(delta), leap.after(&slopes.delta)];
+            rows = rows.map(|row| ladder[WHOLE].after(&row));
             for (i, column) in ahead.iter_mut().enumerate() {
                 column[k] = rows.each_ref().map(|row| row[i]);
             }
@@ -120,10 +116,7 @@ impl Phase {
         Self {
             a,
             ahead,
-            leap: leap.transposed(),
             step,
-            whole: ladder[0].transposed(),
-            half,
             ladder,
             slopes,
         }
@@ -131,8 +124,9 @@ impl Phase {
 
     /// e^(A t), which leads over the time `t`, in 1/Ω.
     fn over(&self, t: f64) -> Square {
-        let whole = (t / self.step).floor();
-        let mut product = self.a.exponential(t - whole * self.step);
+        let finest = self.step / (1 << WHOLE) as f64;
+        let whole = (t / finest).floor();
+        let mut product = self.a.exponential(t - whole * finest);
         for (k, power) in self.ladder.iter().enumerate() {
             if (whole as u64) >> k & 1 == 1 {
                 product = power.times(&product);
@@ -250,8 +244,8 @@ fn field(rig: &ModalRig, held: Option<HoldingShaker>, omega: f64, force: &[f64])
     let size = force.len();
     let (n, sine) = (rig.modes.len(), size - 3);
     let mut a = Square::zero(size);
-    a.row_mut(sine)[sine + 1] = 1.0;
-    a.row_mut(sine + 1)[sine] = -1.0;
+    *a.at_mut(sine, sine + 1) = 1.0;
+    *a.at_mut(sine + 1, sine) = -1.0;
     // What spring and damper of mode i hold back, over its mass.
     let holding = |i: usize| {
         let (own, mut row) = (rig.modes[i].omega / omega, vec![0.0; size]);
@@ -284,17 +278,16 @@ fn field(rig: &ModalRig, held: Option<HoldingShaker>, omega: f64, force: &[f64])
             }
         }
         cart = push.iter().map(|x| x / moved).collect();
-        a.row_mut(2 * n)[2 * n + 1] = 1.0;
-        let deviation = a.row_mut(2 * n + 1);
-        deviation.copy_from_slice(&cart);
-        deviation[sine] += 1.0;
+        *a.at_mut(2 * n, 2 * n + 1) = 1.0;
+        a.set_row(2 * n + 1, &cart);
+        *a.at_mut(2 * n + 1, sine) += 1.0;
     }
     for (i, mode) in rig.modes.iter().enumerate() {
-        a.row_mut(i)[n + i] = 1.0;
+        *a.at_mut(i, n + i) = 1.0;
         let held_back = holding(i);
-        let row = a.row_mut(n + i);
         for k in 0..size {
-            row[k] = -(mode.participation_kg * cart[k] + force[k]) / mode.mass_kg - held_back[k];
+            *a.at_mut(n + i, k) =
+                -(mode.participation_kg * cart[k] + force[k]) / mode.mass_kg - held_back[k];
         }
     }
     a

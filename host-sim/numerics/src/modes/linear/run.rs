@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{LEAP, LinearMotion, Phase};
+use super::{FAR, LEAP, LinearMotion, Phase, WHOLE};
 use crate::modes::dense::{Square, dot};
 use crate::root::halved;
 
@@ -58,7 +58,7 @@ impl LinearMotion {
             if near == 0 && !touching && !watched && left > leap {
                 near = LEAP;
                 if let Some(to) = phase.stays_below(from, &z) {
-                    phase.leap.after_into(&z, &mut next);
+                    phase.ladder[WHOLE + FAR].apply(&z, &mut next);
                     std::mem::swap(&mut z, &mut next);
                     (left, since, from, near) = (left - leap, since + leap, to, 0);
                     continue;
@@ -70,7 +70,7 @@ impl LinearMotion {
             if last {
                 next = phase.a.exponential_of(h, &z);
             } else {
-                phase.whole.after_into(&z, &mut next);
+                phase.ladder[WHOLE].apply(&z, &mut next);
             }
             let to = self.free.approach(&self.delta, &next);
             let switch = if !touching && stays_below(from, to, h) {
@@ -94,7 +94,7 @@ impl LinearMotion {
                 let middle = if last || switch.is_some() {
                     phase.a.exponential_of(0.5 * length, &z)
                 } else {
-                    phase.half.after(&z)
+                    phase.ladder[WHOLE - 1].of(&z)
                 };
                 path.push(LinearLeg {
                     touching,
@@ -204,8 +204,8 @@ impl LinearMotion {
         let mut saltation = Square::one(size);
         for i in 0..size {
             let jump = (after[i] - before[i]) / crossing;
-            for (x, n) in saltation.row_mut(i).iter_mut().zip(normal) {
-                *x += jump * n;
+            for (k, n) in normal.iter().enumerate() {
+                *saltation.at_mut(i, k) += jump * n;
             }
         }
         Some(saltation)

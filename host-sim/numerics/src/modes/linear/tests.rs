@@ -190,7 +190,7 @@ fn the_derivative_is_that_of_the_return_map() {
         let (up, down) = (moved(h), moved(-h));
         for i in 0..up.len() {
             let difference = (up[i] - down[i]) / (2.0 * h);
-            let exact = derivative.row(i)[k];
+            let exact = derivative.at(i, k);
             let size = exact.abs().max(1.0);
             assert!((difference - exact).abs() < 2e-4 * size, "{i} {k}");
         }
