@@ -228,14 +228,14 @@ pub const AREAS: &[FiguresPart] = &[
     FiguresPart::new(
         "modes of the beams",
         &["modes 170", "modes 150", "modes 135"],
-        7.0,
+        2.1,
         modes::beams,
     ),
-    FiguresPart::new("mass of the beams", &["modes mass"], 21.0, modes::mass),
+    FiguresPart::new("mass of the beams", &["modes mass"], 6.2, modes::mass),
     FiguresPart {
         name: "statements",
         figures: &[],
-        seconds: 27.0,
+        seconds: 19.0,
         make: Make::Statements,
     },
 ];
