@@ -191,10 +191,33 @@ def test_records_travel_and_print():
         run.nothing
 
 
+def answers_of(rig):
+    """An answer of each function that returns no bare table."""
+    yield vi.simulate(rig, ratio=2.02, cycles=60, transient=40)
+    yield vi.pick(rig, samples=0)
+    yield vi.bifurcation(rig, ratio=[1.8, 2.0], gap_mm=0.0, cycles=60, recorded=20)
+    found = {"starts": 4, "periods": 1, "impacts": 1}
+    yield vi.orbits(rig, ratio=[1.9, 2.1], gap_mm=0.0, **found)
+    yield vi.orbits(rig, ratio=[1.9, 2.9], curve={"gap_mm": (0.0, 0.2)}, searches=2, **found)
+    yield vi.poincare(rig, ratio=2.0, points=20, transient=50)
+    yield vi.lyapunov(rig, ratio=2.0, periods=100, transient=50)
+    record = vi.drop(rig)
+    yield vi.identify(rig, record.time_s, record.force_n, misfit="force")
+    run = vi.simulate(rig, ratio=2.02, cycles=304, transient=300, samples_per_period=2000)
+    yield vi.compare(rig, run.history.time_s, run.history.force_n, ratio=2.02)
+    yield vi.compare(rig, run.history.time_s, displacement_mm=run.history.displacement_mm, ratio=2.02)
+    yield vi.drill(rig, threshold_n=25, ratio=[1.8, 2.0])
+    yield vi.trials(rig, count=1, seconds=20)
+    yield vi.trials(rig, count=1, seconds=20, long=True)
+    yield vi.emulate("two seconds", toml=f'duration_s = 2\n[true_rig]\npreset = "{rig.name}"\n', samples_per_second=10)
+    if rig.name != "wires":
+        yield vi.modes(rig, ratio=[1.8], cycles=60, transient=40, modes=[1, 2])
+
+
 @pytest.mark.parametrize("rig", ["wires", "beam-170"])
 def test_the_types_of_answers_are_stated(rig):
-    answers = [vi.simulate(vi.Rig(rig), ratio=2.02, cycles=60, transient=40), vi.pick(vi.Rig(rig), samples=0)]
-    for found in answers:
+    for found in answers_of(vi.Rig(rig)):
+        assert type(found) is not vi.Record
         kinds = typing.get_type_hints(type(found))
         assert kinds.keys() == set(found)
         for name, kind in kinds.items():

@@ -34,20 +34,47 @@ from ._analyses import (
     sweep,
     trials,
 )
-from ._answers import Pick, Run
+from ._answers import (
+    Bifurcation,
+    Comparison,
+    Curves,
+    Drill,
+    Emulation,
+    Identification,
+    LongTrials,
+    Lyapunov,
+    Modes,
+    Orbits,
+    Pick,
+    Poincare,
+    Run,
+    Trials,
+)
 from ._native import Rig, __version__, presets
 from ._records import Grid, Record, Table
 from ._store import map_to_zarr
 
 __all__ = [
     "Basins",
+    "Bifurcation",
+    "Comparison",
+    "Curves",
+    "Drill",
+    "Emulation",
     "Grid",
+    "Identification",
+    "LongTrials",
+    "Lyapunov",
     "Map",
+    "Modes",
+    "Orbits",
     "Pick",
+    "Poincare",
     "Record",
     "Rig",
     "Run",
     "Table",
+    "Trials",
     "__version__",
     "basins",
     "bifurcation",

@@ -11,7 +11,22 @@ from typing import Literal, Union
 import numpy as np
 
 from . import _native
-from ._answers import Pick, Run
+from ._answers import (
+    Bifurcation,
+    Comparison,
+    Curves,
+    Drill,
+    Emulation,
+    Identification,
+    LongTrials,
+    Lyapunov,
+    Modes,
+    Orbits,
+    Pick,
+    Poincare,
+    Run,
+    Trials,
+)
 from ._native import Rig
 from ._records import Grid, Record, Table
 
@@ -352,19 +367,19 @@ def bifurcation(
     tick_us: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Bifurcation:
     """Displacement and force on the section over frequency (figures 3.28 to 3.35).
 
     Returns
     -------
-    Record
+    Bifurcation
         ``points``: a table with a row for each point of the section (as many for each frequency as the motion has periods; where
         it does not repeat, all recorded); ``diagrams``: for each gap and direction where the number of branches ``changes``;
         ``twofold``: where the sweeps up and down differ (with ``direction="all"``).
 
     The arguments are those of :func:`sweep` and :func:`map`.
     """
-    return _native.bifurcation(locals())
+    return Bifurcation(_native.bifurcation(locals()))
 
 
 def orbits(
@@ -383,7 +398,7 @@ def orbits(
     searches: int = 5,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Orbits | Curves:
     """Periodic orbits, stable or not, followed over frequency or gap, with their period doublings, folds and grazes.
 
     Parameters
@@ -405,12 +420,12 @@ def orbits(
 
     Returns
     -------
-    Record
+    Orbits or Curves
         ``branches`` (each with its range, stable stretches and ends), tables ``special_points`` and ``orbits`` (a row for each orbit
         and strobe, with both multipliers), and ``seen_elsewhere``: regimes that simulations settled on off these branches. With ``curve`` the tables
         ``curves``, ``codimension_two`` and ``points``.
     """
-    return _native.orbits(locals())
+    return (Orbits if curve is None else Curves)(_native.orbits(locals()))
 
 
 def poincare(
@@ -425,18 +440,18 @@ def poincare(
     phases_turns: Numbers = 0.0,
     start: Start = "rest",
     progress: Progress | None = None,
-) -> Record:
+) -> Poincare:
     """Poincaré sections of one trajectory at one or several drive phases (figures 3.15 to 3.23).
 
     The arguments are those of :func:`simulate`; ``points`` is the number of points of each section.
 
     Returns
     -------
-    Record
+    Poincare
         ``section``: a table with a row for each point (``phase_turns``, ``relative_displacement_mm``,
         ``relative_velocity_m_per_s``, ``force_n``, ...); ``trajectory``: the periods after the last point; ``regime``.
     """
-    return _native.poincare(locals())
+    return Poincare(_native.poincare(locals()))
 
 
 def lyapunov(
@@ -449,7 +464,7 @@ def lyapunov(
     periods: int = 10_000,
     transient: int = 500,
     start: Start = "rest",
-) -> Record:
+) -> Lyapunov:
     """The two largest Lyapunov exponents of a trajectory, through its contacts.
 
     The arguments are those of :func:`simulate`. With a prescribed cart there are two exponents in all, with one that recoils
@@ -457,7 +472,7 @@ def lyapunov(
 
     Returns
     -------
-    Record
+    Lyapunov
         ``largest_per_s`` and its ``standard_error_per_s``, ``other_per_s``, ``largest_per_period``, and ``meaning``:
         "chaotic", "contracting" or "undecided", at three standard errors.
 
@@ -466,7 +481,7 @@ def lyapunov(
     The derivative of a drive period comes from dual numbers, the jump at each switch included (Müller 1995,
     doi:10.1016/0960-0779(94)00170-U).
     """
-    return _native.lyapunov(locals())
+    return Lyapunov(_native.lyapunov(locals()))
 
 
 def contact(
@@ -529,7 +544,7 @@ def identify(
     clock_percent: float = 0.02,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Identification:
     """Contact parameters from a drop test, with 95 % intervals.
 
     Parameters
@@ -547,7 +562,7 @@ def identify(
 
     Returns
     -------
-    Record
+    Identification
         ``fits``: one for each law and misfit, with ``parameters`` (key, value, low, high), ``refused`` (the law does not fit),
         ``rms_n`` and a table ``impacts``.
 
@@ -556,7 +571,7 @@ def identify(
     ValueError
         The record has no impact, or an argument cannot be used.
     """
-    return _native.identify(locals())
+    return Identification(_native.identify(locals()))
 
 
 def compare(
@@ -577,7 +592,7 @@ def compare(
     engine: Literal["event", "switch"] = "event",
     precision: Literal["f32", "f64"] | None = None,
     tick_us: float | None = None,
-) -> Record:
+) -> Comparison:
     """A record beside its simulation: both motions, and the errors.
 
     Parameters
@@ -594,10 +609,10 @@ def compare(
 
     Returns
     -------
-    Record
+    Comparison
         Errors of displacement, force, contacts and contact time, and a table ``rows`` with both motions at each sample.
     """
-    return _native.compare(locals())
+    return Comparison(_native.compare(locals()))
 
 
 def modes(
@@ -614,7 +629,7 @@ def modes(
     transient: int = 480,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Modes:
     """Beam springs that bend in several modes: force, swing, and where the energy goes.
 
     Parameters
@@ -630,10 +645,10 @@ def modes(
 
     Returns
     -------
-    Record
+    Modes
         Tables ``modes`` (a row for each bending mode) and ``rows`` (a row for each frequency and number of modes).
     """
-    return _native.modes(locals())
+    return Modes(_native.modes(locals()))
 
 
 def drill(
@@ -656,7 +671,7 @@ def drill(
     settle: int = 300,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Drill:
     """Rate of penetration over frequency on ground that gives way at ``threshold_n``.
 
     Parameters
@@ -682,7 +697,7 @@ def drill(
 
     Returns
     -------
-    Record
+    Drill
         ``rows``: a table with a row for each frequency; ``advice``: the best 1/1 and how far it moves over the uncertainty.
 
     Raises
@@ -696,7 +711,7 @@ def drill(
     -----
     The ground is the drifting oscillator of Pavlovskaia, Wiercigroch and Grebogi (Physical Review E 64, 056224, 2001).
     """
-    return _native.drill(locals())
+    return Drill(_native.drill(locals()))
 
 
 def emulate(
@@ -705,7 +720,7 @@ def emulate(
     toml: str | None = None,
     samples_per_second: int = 1000,
     progress: Progress | None = None,
-) -> Record:
+) -> Emulation:
     """Runs the board's controller in a closed loop with an emulated rig.
 
     Parameters
@@ -721,7 +736,7 @@ def emulate(
 
     Returns
     -------
-    Record
+    Emulation
         The verdict as ``host-sim emulate --format json`` has it; tables ``samples`` (true motion, state, drive frequency),
         ``contact_list`` and ``timeline``.
 
@@ -732,7 +747,7 @@ def emulate(
     KeyboardInterrupt
         On Ctrl-C.
     """
-    return _native.emulate(locals())
+    return Emulation(_native.emulate(locals()))
 
 
 def scenarios() -> dict[str, str]:
@@ -749,7 +764,7 @@ def trials(
     seed: int = 1,
     threads: int | None = None,
     progress: Progress | None = None,
-) -> Record:
+) -> Trials | LongTrials:
     """Runs the board's controller on many rigs that differ at random from its settings: time to Hold, and force.
 
     Parameters
@@ -767,7 +782,7 @@ def trials(
 
     Returns
     -------
-    Record
+    Trials or LongTrials
         Tables ``trials`` (a row for each) and ``distributions`` (each rig, then all); with ``long`` ``campaign`` in its place.
     """
-    return _native.trials(locals())
+    return (Trials if not long else LongTrials)(_native.trials(locals()))

@@ -1,4 +1,4 @@
-"""The answers with many fields, with the type of each: for editors and type checkers."""
+"""The answers, with the type of each field: for editors and type checkers."""
 
 from __future__ import annotations
 
@@ -51,3 +51,104 @@ class Pick(Record):
     one_mode_frequency_hz: Optional[float]; one_mode_safe_band_hz: Optional[Pair]
     one_mode_safe_band_force_share: Optional[float]; safe_band_force_share_any_springs: Optional[float]
     curve_frequency_hz: np.ndarray; curve_force_ratio: np.ndarray
+
+
+class Bifurcation(Record):
+    """What :func:`vibroimpact.bifurcation` returns."""
+
+    rig: str; cart: str; section: str; cycles: int; recorded: int; simulations: int
+    diagrams: list[Record]; twofold: list[Record]; points: Table
+
+
+class Orbits(Record):
+    """What :func:`vibroimpact.orbits` returns without ``curve``."""
+
+    rig: str; cart: str; along: str; simulations: int; failed_simulations: int
+    branches: list[Record]; seen_elsewhere: list[Record]; special_points: Table; orbits: Table
+
+
+class Curves(Record):
+    """What :func:`vibroimpact.orbits` returns with ``curve``."""
+
+    rig: str; cart: str; parameter_1: str; parameter_2: str
+    searched_at: list[float]; not_followed: int; simulations: int; failed_simulations: int
+    curves: Table; codimension_two: Table; points: Table
+
+
+class Poincare(Record):
+    """What :func:`vibroimpact.poincare` returns."""
+
+    rig: str; gap_mm: float; cart: str; frequency_hz: float; frequency_ratio: float
+    regime: str; force_n: float; force_ratio: float; points: int; transient: int; phases_turns: list[float]
+    steps_per_period: float; lyapunov: Optional[Record]; meaning: Optional[str]
+    section: Table; trajectory: Table
+
+
+class Lyapunov(Record):
+    """What :func:`vibroimpact.lyapunov` returns."""
+
+    largest_per_s: float; standard_error_per_s: float; other_per_s: Optional[float]; largest_per_period: float
+    periods: int; meaning: str
+
+
+class Identification(Record):
+    """What :func:`vibroimpact.identify` returns."""
+
+    rig: str; gap_mm: float; release_mm: float; impacts: int; sampling_hz: float
+    noise_n: float; offset_n: float; ring: Optional[Record]; drift_n_per_s: float
+    gain_percent: float; release_height_percent: float; clock_percent: float; free_cart_percent: float
+    fits: list[Record]
+
+
+class Comparison(Record):
+    """What :func:`vibroimpact.compare` returns."""
+
+    frequency_hz: float; frequency_ratio: float; frequency_from: str; shift_s: float
+    cart_amplitude_mm: Optional[float]; regime: str; samples: int
+    displacement_rms_mm: Optional[float]; displacement_rms_percent: Optional[float]; displacement_mean_mm: Optional[float]
+    measured_peak_to_peak_mm: Optional[float]; simulated_peak_to_peak_mm: float
+    force_rms_n: Optional[float]; measured_force_n: Optional[float]; measured_peak_mean_n: Optional[float]
+    simulated_force_n: float; force_peak_percent: Optional[float]
+    measured_contacts_per_period: Optional[float]; simulated_contacts_per_period: float
+    measured_contact_time_ms: Optional[float]; simulated_contact_time_ms: Optional[float]
+    rows: Table
+
+
+class Modes(Record):
+    """What :func:`vibroimpact.modes` returns."""
+
+    modes: Table; rows: Table
+
+
+class Drill(Record):
+    """What :func:`vibroimpact.drill` returns."""
+
+    rig: str; threshold_n: float; ground_stiffness_n_per_m: float; ground_damping_n_s_per_m: float; feed: str
+    bit: Optional[Record]; advice: Optional[Record]; rows: Table
+
+
+class Emulation(Record):
+    """What :func:`vibroimpact.emulate` returns."""
+
+    scenario: str; verdict: str; why: list[str]; final_state: str; faults: list[Record]
+    time_to_hold_s: Optional[float]; frequency_hz: Optional[float]; force_ratio_mean: Optional[float]
+    optimum_frequency_hz: Optional[float]; optimum_force_ratio: Optional[float]
+    force_share: Optional[float]; share_from_start: Optional[float]
+    prescribed_optimum_frequency_hz: Optional[float]; prescribed_optimum_force_ratio: Optional[float]
+    overruns: int; reseeks: int; basin: str; true_basin: str; contacts: int
+    largest_force_ratio: float; largest_force_n: float; largest_travel_mm: float; largest_cart_mm: float
+    driven_with_fault_s: float; duration_s: float
+    rate_of_penetration_um_per_s: Optional[float]; progress_mm: Optional[float]; loop_left_out: Optional[str]
+    samples: Table; contact_list: Table; timeline: Table
+
+
+class Trials(Record):
+    """What :func:`vibroimpact.trials` returns without ``long``."""
+
+    seed: int; seconds_s: float; distributions: Table; trials: Table
+
+
+class LongTrials(Record):
+    """What :func:`vibroimpact.trials` returns with ``long``."""
+
+    seed: int; seconds_s: float; campaign: Record; trials: Table
