@@ -202,24 +202,15 @@ impl Equations {
                 Support::Wires {
                     gravity, torque, ..
                 } => {
-                    let (mut swung, mut bent, mut along) = (R::ZERO, R::ZERO, R::ZERO);
-                    let angles = cos[1..=k].iter().zip(&sin[1..=k]);
-                    let rates = v[..k].iter().zip(&v[1..=k]).zip(&cart[..k]).rev();
-                    for ((cos, sin), ((v, faster), cart)) in angles.zip(rates) {
-                        swung += *cos * *cart;
-                        bent += *sin * *v;
-                        along += *cos * *faster;
-                    }
+                    let swung = convolved(&cos[1..=k], &cart[..k]);
+                    let bent = convolved(&sin[1..=k], &v[..k]);
+                    let along = convolved(&cos[1..=k], &v[1..=k]);
                     cos[k + 1] = -(bent + sin[0] * v[k]).scaled(1.0 / next);
                     let along = along + cos[k + 1] * v[0];
                     let pushed = match torque {
                         Torque::Literal => pushed,
                         Torque::Cosine => {
-                            let mut turned = R::ZERO;
-                            for j in 0..=k {
-                                turned += cos[j] * force[k - j];
-                            }
-                            turned.scaled(1.0 / self.mass)
+                            convolved(&cos[..=k], &force[..=k]).scaled(1.0 / self.mass)
                         }
                     };
                     (-(swung + sin[k].scaled(gravity) + pushed), along)
@@ -229,14 +220,8 @@ impl Equations {
                     damping,
                     cubic,
                 } => {
-                    let (mut twice, mut thrice) = (R::ZERO, R::ZERO);
-                    let before = sin[..k].iter().zip(&square[..k]);
-                    for ((x, square), after) in before.zip(sin[1..=k].iter().rev()) {
-                        twice += *x * *after;
-                        thrice += *square * *after;
-                    }
-                    square[k] = twice + sin[k] * sin[0];
-                    let thrice = thrice + square[k] * sin[0];
+                    square[k] = convolved(&sin[..=k], &sin[..=k]);
+                    let thrice = convolved(&square[..=k], &sin[..=k]);
                     let held =
                         sin[k].scaled(stiffness) + v[k].scaled(damping) + thrice.scaled(cubic);
                     (-(held + pushed), R::ZERO)
@@ -290,6 +275,16 @@ impl Equations {
             mass: self.mass,
         }
     }
+}
+
+/// The last coefficient of the product of two power series, of as many each. (Sums side by side would not fit the registers.)
+#[inline]
+fn convolved<R: Scalar>(a: &[R], b: &[R]) -> R {
+    let mut sum = R::ZERO;
+    for (a, b) in a.iter().zip(b.iter().rev()) {
+        sum += *a * *b;
+    }
+    sum
 }
 
 /// The power series of these coefficients and its derivative at `tau`.
