@@ -1,6 +1,8 @@
 //! The series against the equations of motion themselves, and against Runge–Kutta steps.
 
-use shared::model::cart::ASSUMED_SHAKER;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use shared::model::cart::{ASSUMED_SHAKER, LoopParams};
 use shared::model::params::PRESETS;
 
 use super::*;
@@ -135,6 +137,72 @@ fn it_leads_where_runge_kutta_steps_lead() {
         assert!(
             section < 1e-9 && derivatives < 1e-9 && figures < 1e-8,
             "{name}: {worst:?}"
+        );
+    }
+}
+
+/// Rigs and starts far from any that is built: the same contacts as by Runge–Kutta steps, and no more steps.
+#[test]
+fn it_leads_where_runge_kutta_steps_lead_on_random_rigs() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    for (case, (name, preset)) in PRESETS.into_iter().cycle().take(600).enumerate() {
+        let mut between = |low: f64, high: f64| random.random_range(low.ln()..high.ln()).exp();
+        let mass_kg = preset.mass_kg * between(0.3, 3.0);
+        let (stiffness, damping_ratio) = (between(1e4, 1e9), between(1e-3, 2.0));
+        let held = LoopParams {
+            frequency_hz: between(5.0, 300.0),
+            damping_ratio: between(0.03, 2.0),
+            ..ASSUMED_SHAKER
+        };
+        let mut params = RigParams {
+            mass_kg,
+            amplitude_m: preset.amplitude_m * between(0.1, 5.0),
+            contact: Law::SpringDashpot {
+                stiffness,
+                damping: 2.0 * damping_ratio * (stiffness * mass_kg).sqrt(),
+            },
+            ..preset
+        };
+        let hz = between(0.2, 8.0) * params.natural_frequency_hz();
+        params.gap_m = random.random_range(-2e-3..3e-3);
+        if random.random() {
+            params.cart = CartDrive::Loop(held);
+        }
+        let (farthest, lever) = match &mut params.support {
+            SupportParams::Wires {
+                length_m, torque, ..
+            } => {
+                if random.random() {
+                    *torque = Torque::Cosine;
+                }
+                (0.3, *length_m)
+            }
+            SupportParams::Beams {
+                cubic_stiffness_n_per_m3: cubic,
+                ..
+            } => {
+                *cubic = random
+                    .random::<bool>()
+                    .then(|| 10.0_f64.powf(random.random_range(3.0..8.0)));
+                (10e-3, 1.0)
+            }
+        };
+        // The coordinate is 0 at the surface.
+        let q = random.random_range(-farthest..0.0);
+        let v = random.random_range(-0.5..0.5) / lever;
+        let run = |mut hammer: Reference<f64>| {
+            let mut contacts = Vec::<LocatedContact>::new();
+            hammer.run_period(&mut contacts);
+            (hammer.state(), contacts.len(), hammer.pace.tried)
+        };
+        let hammer = Reference::<f64>::new(&params, hz, q, v).unwrap();
+        let scale = hammer.rig.coordinate_scale();
+        let ((a, contacts, steps), (b, as_many, at_most)) = (run(hammer), run(hammer.in_steps()));
+        let off = |a: f64, b: f64, unit: f64| (a - b).abs() / (unit + b.abs());
+        let off = off(a.0, b.0, scale).max(off(a.1, b.1, scale * hz));
+        assert!(
+            contacts == as_many && steps <= at_most && off < 1e-6,
+            "{case}, {name}: {contacts} and {as_many} contacts, {steps} and {at_most} steps, {off:e} apart"
         );
     }
 }
