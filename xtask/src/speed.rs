@@ -15,7 +15,8 @@ use crate::{
 };
 
 /// The run that the others are measured by: 200 drive periods of the switch model.
-const UNIT: &str = "simulate --ratio 2 --cycles 200 --transient 100 --engine switch --cart prescribed";
+const UNIT: &str =
+    "simulate --ratio 2 --cycles 200 --transient 100 --engine switch --cart prescribed";
 
 /// Requests, and how many of these runs each may cost: a quarter more than measured on an AMD EPYC with AVX2 when the line was
 /// written.
