@@ -292,8 +292,8 @@ impl Arrival {
     }
 }
 
-/// How many of `recorded` periods show what has come to repeat after `n`: twelve repetitions, and those that begin as the
-/// whole would.
+/// How many periods are recorded in place of `recorded`, of a motion that repeats after `n`: twelve repetitions, and the few
+/// more after which it is where it would be after all.
 pub(crate) fn repeated(recorded: usize, n: usize) -> usize {
     const TIMES: usize = 12;
     recorded.min(TIMES * n + recorded % n)
