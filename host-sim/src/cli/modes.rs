@@ -9,6 +9,7 @@ use super::arguments::cycles::CycleArgs;
 use super::arguments::drive::Drives;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
+use crate::figures::modes::in_words;
 use crate::progress::ProgressLine;
 use files::UserError;
 use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, ModesRow, TipJoint};
@@ -151,7 +152,7 @@ fn text(modes: &[BendingMode], rows: &[ModesRow], counts: &[usize]) -> String {
         let mut chart = Chart::new("drive frequency, Hz", "swing, mm");
         for count in counts {
             let points = of(rows, *count, |row| row.swing_mm);
-            chart = chart.series(format!("{count} modes"), points);
+            chart = chart.series(in_words(*count), points);
         }
         text.push('\n');
         text += &chart.render();
@@ -187,12 +188,8 @@ fn figure(rows: &[ModesRow], counts: &[usize]) -> Figure {
         }
         let mut panel = Panel::new("drive frequency, Hz", Axis::new(label).with_zero());
         for (i, count) in counts.iter().enumerate() {
-            let name = if *count == 1 {
-                "1 mode".into()
-            } else {
-                format!("{count} modes")
-            };
-            panel = panel.item(Item::line(name, Color::series(i), of(rows, *count, column)));
+            let points = of(rows, *count, column);
+            panel = panel.item(Item::line(in_words(*count), Color::series(i), points));
         }
         panel
     };

@@ -76,7 +76,8 @@ fn rows(
     Ok(plan.run(progress)?)
 }
 
-fn label(count: usize) -> String {
+/// How many modes, in words.
+pub fn in_words(count: usize) -> String {
     match count {
         1 => "1 mode".into(),
         _ => format!("{count} modes"),
@@ -90,7 +91,7 @@ fn over_frequency(title: &str, rows: &[ModesRow]) -> Figure {
         for (i, count) in COUNTS.into_iter().enumerate() {
             let rows = rows.iter().filter(|row| row.modes == count);
             let points = rows.map(|r| (r.frequency_ratio, column(r))).collect();
-            panel = panel.item(Item::line(label(count), Color::series(i), points));
+            panel = panel.item(Item::line(in_words(count), Color::series(i), points));
         }
         panel
     };

@@ -292,11 +292,13 @@ impl Arrival {
     }
 }
 
-/// How many periods are recorded in place of `recorded`, of a motion that repeats after `n`: twelve repetitions, and the few
-/// more after which it is where it would be after all.
-pub(crate) fn repeated(recorded: usize, n: usize) -> usize {
+/// How many periods are recorded in place of `recorded`, of a motion that has come to repeat after as many as `repeats` says,
+/// with `left` periods of its transient to go: twelve repetitions, and the few more after which it is where it would be after
+/// all. None if the transient goes on: what is left out of it are whole repetitions.
+pub(crate) fn repeated(repeats: Option<usize>, left: usize, recorded: usize) -> Option<usize> {
     const TIMES: usize = 12;
-    recorded.min(TIMES * n + recorded % n)
+    let n = repeats.filter(|n| left.is_multiple_of(*n))?;
+    Some(recorded.min(TIMES * n + recorded % n))
 }
 
 fn observe_after(
@@ -316,9 +318,8 @@ fn observe_after(
         machine.period(None);
         within_reach(machine)?;
         sections.push(machine.section());
-        // What is left out are whole repetitions: the run ends where the whole one would.
-        if let Some(n) = arrived(machine.section()).filter(|n| left.is_multiple_of(*n)) {
-            recorded = repeated(recorded, n);
+        if let Some(fewer) = repeated(arrived(machine.section()), left, recorded) {
+            recorded = fewer;
             break;
         }
     }

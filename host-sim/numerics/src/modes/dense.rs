@@ -98,41 +98,31 @@ impl Square {
         product
     }
 
-    /// e^(A h) by its series, for ‖A‖ h not much above 1: until it no longer changes.
+    /// e^(A h), for ‖A‖ h not much above 1.
     pub fn exponential(&self, h: f64) -> Self {
-        let mut sum = Self::one(self.size);
-        let (mut term, mut still) = (sum.clone(), 0);
-        for k in 1..=TERMS {
-            term = term.times(self);
-            let (mut is_still, share) = (true, h / k as f64);
-            let terms = term.columns.as_flattened_mut().iter_mut();
-            for (s, t) in sum.columns.as_flattened_mut().iter_mut().zip(terms) {
-                *t *= share;
-                is_still &= *s == *s + *t;
-                *s += *t;
-            }
-            still = if is_still { still + 1 } else { 0 };
-            if still == STILL {
-                break;
-            }
+        let mut exponential = Self::one(self.size);
+        let blocks = self.size.div_ceil(BLOCK);
+        for column in exponential.columns.chunks_exact_mut(blocks) {
+            let numbers = &mut column.as_flattened_mut()[..self.size];
+            numbers.copy_from_slice(&self.exponential_of(h, numbers));
         }
-        sum
+        exponential
     }
 
-    /// e^(A h) x by the same series.
+    /// e^(A h) x by the series of the exponential, until it no longer changes.
     pub fn exponential_of(&self, h: f64, x: &[f64]) -> Vec<f64> {
         let (mut sum, mut term) = (x.to_vec(), x.to_vec());
-        let (mut next, mut still) = (vec![0.0; self.size], 0);
+        let (mut next, mut unchanged) = (vec![0.0; self.size], 0);
         for k in 1..=TERMS {
             self.apply(&term, &mut next);
-            let (mut is_still, share) = (true, h / k as f64);
+            let (mut is_same, share) = (true, h / k as f64);
             for ((s, t), n) in sum.iter_mut().zip(&mut term).zip(&next) {
                 *t = n * share;
-                is_still &= *s == *s + *t;
+                is_same &= *s == *s + *t;
                 *s += *t;
             }
-            still = if is_still { still + 1 } else { 0 };
-            if still == STILL {
+            unchanged = if is_same { unchanged + 1 } else { 0 };
+            if unchanged == UNCHANGED {
                 break;
             }
         }
@@ -249,7 +239,7 @@ impl Polynomial {
 const TERMS: usize = 20;
 
 /// Terms in a row that change nothing, after which the series ends.
-const STILL: u32 = 2;
+const UNCHANGED: u32 = 2;
 
 /// The sum of the products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

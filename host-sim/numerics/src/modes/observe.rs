@@ -98,10 +98,8 @@ pub(super) fn watched(
     let mut arrival = Arrival::of_section(hammer.section(), STILL);
     for left in (0..cycles.transient as usize).rev() {
         hammer.skip();
-        // What is left out are whole repetitions, as in [`crate::engine::observe_settled`].
-        let repeats = arrival.at(hammer.section());
-        if let Some(n) = repeats.filter(|n| left.is_multiple_of(*n)) {
-            recorded = repeated(recorded, n);
+        if let Some(fewer) = repeated(arrival.at(hammer.section()), left, recorded) {
+            recorded = fewer;
             break;
         }
     }
